@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: MIT
+// Videos through OpenCV's FFmpeg backend, pictures through picture_file.
+#include "capture/frame_source.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <opencv2/videoio.hpp>
+
+#include "capture/quiet.h"
+#include "engine/error.h"
+
+namespace airclay {
+namespace {
+
+// Of pictures, and of a video that doesn't say: the rate of ordinary cameras.
+constexpr double kDefaultRateHz = 30;
+// Nine hours at 30 Hz: a larger number in a file's name is no frame's.
+constexpr int kMaxFrame = 1'000'000;
+
+class VideoSource : public FrameSource {
+ public:
+  explicit VideoSource(const std::filesystem::path& file) : file_(file) {
+    quietOpenCv();
+    open();
+    size_ = {static_cast<int>(video_.get(cv::CAP_PROP_FRAME_WIDTH)),
+             static_cast<int>(video_.get(cv::CAP_PROP_FRAME_HEIGHT))};
+    const double rate = video_.get(cv::CAP_PROP_FPS);
+    rate_hz_ = rate > 0 && rate <= 1000 ? rate : kDefaultRateHz;
+    const double declared = video_.get(cv::CAP_PROP_FRAME_COUNT);
+    if (declared >= 1 && declared < 1e9) {
+      frame_count_ = static_cast<int>(std::lround(declared));
+      // An mp4 lists its frames; other containers state a duration at best.
+      is_exact_ = file_.extension() == ".mp4";
+    } else {
+      frame_count_ = countByDecoding();
+    }
+    if (frame_count_ < 1) throw Error(file_.string() + ": the video holds no frame that can be decoded");
+  }
+
+  PictureSize size() const override { return size_; }
+  int frameCount() const override { return frame_count_; }
+  double rateHz() const override { return rate_hz_; }
+
+  bool read(int frame, std::span<std::uint8_t> bgr) override {
+    if (frame < next_) open();
+    for (; next_ <= frame; ++next_)
+      if (!video_.grab()) return endsBefore(next_);
+    cv::Mat target(size_.height, size_.width, CV_8UC3, bgr.data());
+    cv::Mat picture = target;  // the decoder writes into it when size and type are as they should be
+    if (!video_.retrieve(picture)) return endsBefore(frame);
+    if (picture.size() != target.size() || picture.type() != target.type())
+      throw Error(file_.string() + ": frame " + std::to_string(frame) + " is " +
+                  std::to_string(picture.cols) + " x " + std::to_string(picture.rows) +
+                  " pixels; one size throughout would be right");
+    if (picture.data != target.data) picture.copyTo(target);
+    return true;
+  }
+
+ private:
+  void open() {
+    next_ = 0;
+    if (!video_.open(file_.string(), cv::CAP_FFMPEG))
+      throw Error(file_.string() +
+                  ": the video cannot be opened (cut off, damaged or of unknown form); a whole mp4, mkv or "
+                  "avi would be "
+                  "right");
+  }
+
+  int countByDecoding() {
+    int count = 0;
+    while (count < kMaxFrame && video_.grab()) ++count;
+    open();
+    return count;
+  }
+
+  /// Frame `frame` cannot be had: the end of a reckoned count, or a fault.
+  bool endsBefore(int frame) const {
+    if (!is_exact_ && frame > 0 && frame == frame_count_ - 1) return false;
+    throw Error(file_.string() + ": decoding fails at frame " + std::to_string(frame) + " of the " +
+                std::to_string(frame_count_) + " that the video declares; a whole recording would be right");
+  }
+
+  std::filesystem::path file_;
+  cv::VideoCapture video_;
+  PictureSize size_;
+  double rate_hz_ = kDefaultRateHz;
+  int frame_count_ = 0;
+  bool is_exact_ = true;
+  int next_ = 0;  // the frame that the decoder gives next
+};
+
+class PictureSource : public FrameSource {
+ public:
+  explicit PictureSource(const std::filesystem::path& folder) : pictures_(numberedPictures(folder)) {
+    if (pictures_.empty())
+      throw Error(folder.string() +
+                  ": the folder holds no picture; 000000.png (or .jpg) and on would be right");
+    int expected = 0;
+    for (const auto& [frame, file] : pictures_) {
+      if (frame != expected)
+        throw Error(folder.string() + ": the picture of frame " + std::to_string(expected) +
+                    " is missing; numbers from 0 without a gap would be right");
+      ++expected;
+    }
+    size_ = pictureSize(pictures_.at(0));
+  }
+
+  PictureSize size() const override { return size_; }
+  int frameCount() const override { return static_cast<int>(pictures_.size()); }
+  double rateHz() const override { return kDefaultRateHz; }
+
+  bool read(int frame, std::span<std::uint8_t> bgr) override {
+    readPicture(pictures_.at(frame), size_, PixelForm::kBgr8, bgr);
+    return true;
+  }
+
+ private:
+  std::map<int, std::filesystem::path> pictures_;
+  PictureSize size_;
+};
+
+}  // namespace
+
+std::unique_ptr<FrameSource> openFrames(const std::filesystem::path& take, const std::string& name) {
+  for (const char* extension : {".mp4", ".mkv", ".avi"}) {
+    const std::filesystem::path file = take / (name + extension);
+    if (std::filesystem::is_regular_file(file)) return std::make_unique<VideoSource>(file);
+  }
+  const std::filesystem::path folder = take / name;
+  if (std::filesystem::is_directory(folder)) return std::make_unique<PictureSource>(folder);
+  return nullptr;
+}
+
+std::map<int, std::filesystem::path> numberedPictures(const std::filesystem::path& folder) {
+  std::map<int, std::filesystem::path> pictures;
+  for (const std::filesystem::directory_entry& entry : std::filesystem::directory_iterator(folder)) {
+    const std::string extension = entry.path().extension().string(), stem = entry.path().stem().string();
+    const bool is_picture = extension == ".png" || extension == ".jpg" || extension == ".jpeg";
+    if (!is_picture || stem.empty() || stem.find_first_not_of("0123456789") != std::string::npos) continue;
+    int frame = 0;
+    const std::from_chars_result result = std::from_chars(stem.data(), stem.data() + stem.size(), frame);
+    if (result.ec != std::errc() || frame > kMaxFrame)
+      throw Error(entry.path().string() + ": the frame's number is past " + std::to_string(kMaxFrame));
+    const auto [place, is_new] = pictures.emplace(frame, entry.path());
+    if (!is_new)
+      throw Error(entry.path().string() + ": frame " + std::to_string(frame) + " is there twice, also as " +
+                  place->second.filename().string());
+  }
+  return pictures;
+}
+
+}  // namespace airclay

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+// One camera's recorded frames: a video, or a folder of numbered pictures.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "capture/picture_file.h"
+
+namespace airclay {
+
+/// Frames by number, cheapest in order.
+class FrameSource {
+ public:
+  virtual ~FrameSource() = default;
+
+  virtual PictureSize size() const = 0;
+  /// As declared by the file. Where that is reckoned from a duration (mkv, avi) there may be one frame fewer.
+  virtual int frameCount() const = 0;
+  virtual double rateHz() const = 0;
+  /// Decodes a frame into width * height * 3 bytes. False when the source ends just before it, as a reckoned
+  /// count allows. \throw Error naming the file and the frame when it cannot be decoded.
+  virtual bool read(int frame, std::span<std::uint8_t> bgr) = 0;
+};
+
+/// The frames of camera `name` in a take's folder: NAME.mp4, .mkv or .avi, else the pictures in NAME/. None
+/// when there are neither. \throw Error naming the file when it cannot be opened, holds no frame, or numbers
+/// have a gap.
+std::unique_ptr<FrameSource> openFrames(const std::filesystem::path& take, const std::string& name);
+
+/// The pictures in a folder by the number that is their name: 000000.png, 1.jpg. Other files are not looked
+/// at. \throw Error naming two files of one number, or a number past a million.
+std::map<int, std::filesystem::path> numberedPictures(const std::filesystem::path& folder);
+
+}  // namespace airclay

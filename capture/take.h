@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+// A take: one recording of a rig, a folder. Its calibration, frames, masks, times and truth, checked when it
+// is opened.
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "capture/poses_file.h"
+#include "engine/rig.h"
+
+namespace airclay {
+
+struct TakeOptions {
+  RigUnits units = RigUnits::kAsWritten;
+  int background_frames = 10;  ///< how many first frames show the empty workspace, where no background/ does
+};
+
+/// Opens a take and reads its frames into the caller's memory: one buffer a camera, in the rig's order.
+///
+///     Take take("takes/monday");
+///     for (int frame = 0; take.readPictures(frame, buffers); ++frame) { … }
+///
+/// Every fault, now or while reading, is an Error that names the file and, where it helps, the frame.
+class Take {
+ public:
+  /// Buffers that a frame is written into, tightly packed, rows from the top.
+  using Buffers = std::span<const std::span<std::uint8_t>>;
+
+  /// \throw Error: no such folder, no rig, a camera without its video or pictures, another size than the rig
+  /// says, no frame at all, timestamps or truth that cannot be read.
+  explicit Take(const std::filesystem::path& folder, const TakeOptions& options = {});
+  ~Take();
+  Take(Take&&) noexcept;
+  Take& operator=(Take&&) noexcept;
+
+  const Rig& rig() const;
+  /// Frames that every camera has. Of mkv and avi, whose length is reckoned, there may prove to be one fewer.
+  int frameCount() const;
+  /// Frames a second, on average.
+  double rateHz() const;
+  /// When frame `frame` was taken, in seconds: the mean of its cameras' times. \pre 0 <= frame < frameCount()
+  double timeOf(int frame) const;
+
+  bool hasPictures() const;     ///< videos or picture folders; else there are masks alone
+  bool hasSilhouettes() const;  ///< masks to be used as they are, instead of segmentation
+  bool hasBackground() const;   ///< pictures of the empty workspace
+  /// How many first frames show the empty workspace: 0 where background pictures or masks make them needless.
+  int backgroundFrames() const;
+
+  /// Decodes a frame of every camera, BGR, 3 bytes a pixel. False past the last frame. In order this costs
+  /// one decoded picture a camera; any other order decodes a video up to the frame. \pre hasPictures()
+  bool readPictures(int frame, Buffers bgr);
+  /// A frame's masks, 1 byte a pixel: 255 the object, 0 not. A missing file is an empty mask. \pre
+  /// hasSilhouettes()
+  bool readSilhouettes(int frame, Buffers masks);
+  /// The empty workspace, BGR. \pre hasBackground()
+  void readBackground(Buffers bgr) const;
+
+  /// True poses, where the take has truth.tum.
+  const std::optional<std::vector<TimedPose>>& truth() const;
+  /// What is unusual but no fault, in one line to be shown: videos of unequal length.
+  const std::optional<std::string>& note() const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace airclay
