@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+// Eq. (3)-(5): a control cage's Catmull-Clark subdivision as one sparse matrix, d = A p.
+#pragma once
+
+#include <Eigen/SparseCore>
+
+#include "engine/mesh.h"
+
+namespace airclay {
+
+/// How a new vertex point is weighed.
+enum class SubdivisionRule {
+  kCatmullClark,  ///< Catmull and Clark 1978, from OpenSubdiv's stencil table
+  kPrinted,       ///< eq. (4) as the paper prints it, (a + 4m + p) / 6
+};
+
+using StencilMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+
+/// A whole subdivision: what stays while the cage's connectivity, the rule and the level stay.
+struct Subdivision {
+  StencilMatrix matrix;                   ///< A: data points by control points; each row sums to 1
+  std::vector<std::array<int, 4>> quads;  ///< the subdivided polyhedron's faces, anticlockwise from outside
+                                          ///< (level 0 with n-gons: see polygons())
+};
+
+/// Subdivides the connectivity of `cage` `levels` times (>= 1). The order of the data points is OpenSubdiv's
+/// for both rules: at each level face points, then edge points, then vertex points. Borders by the standard
+/// rule: edge midpoints; 1/8, 3/4, 1/8; a corner of one face follows the border rule too (OpenSubdiv's
+/// VTX_BOUNDARY_EDGE_ONLY). \throw Error when the result would exceed kMaxDataPoints.
+Subdivision subdivide(const PolygonMesh& cage, int levels, SubdivisionRule rule);
+
+/// 20 million: 240 MB of positions; larger is a mistyped level.
+inline constexpr long kMaxDataPoints = 20'000'000;
+
+/// Eq. (5), d = A p, in double precision: the reference of the kernel `subdivide`.
+std::vector<Vec3> dataPoints(const StencilMatrix& matrix, const std::vector<Vec3>& control_points);
+
+/// Unit normals at the data points: the area-weighted average of the adjoining faces' normals. The reference
+/// of `normals`.
+std::vector<Vec3> dataNormals(const std::vector<std::array<int, 4>>& quads,
+                              const std::vector<Vec3>& data_points);
+
+}  // namespace airclay
