@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+// The voxel model (the paper's fig. 1): the visual hull, that is the intersection of the silhouettes'
+// back-projections (Laurentini 1994), carved coarse to fine.
+//
+// A voxel is occupied when at least two cameras see its centre and it lies in the silhouette of every camera
+// that sees it. A camera that doesn't see it has no say.
+#pragma once
+
+#include "engine/gpu/kernel.h"
+#include "engine/gpu/recorder.h"
+#include "engine/gpu_rig.h"
+#include "shaders/carve_io.h"
+
+namespace airclay {
+
+inline constexpr int kMinVoxels = 32, kMaxVoxels = 512;  ///< along the workspace's edge
+
+/// \throw Error unless kMinVoxels <= voxels <= kMaxVoxels.
+void checkVoxels(int voxels);
+
+/// Occupancy on the CPU, one byte a voxel (0 or 1), x fastest.
+struct VoxelGrid {
+  int voxels = 0;  ///< along an edge
+  std::vector<std::uint8_t> occupied;
+  std::uint8_t at(int x, int y, int z) const {
+    return occupied[std::size_t(x) +
+                    std::size_t(voxels) * (std::size_t(y) + std::size_t(voxels) * std::size_t(z))];
+  }
+};
+
+/// A voxel's centre in the world.
+Vec3 voxelCenter(const Workspace& workspace, int voxels, int x, int y, int z);
+
+/// Carves on the GPU. The model stays there; see carve_io.h for its layout.
+class Carver {
+ public:
+  Carver(Gpu& gpu, const GpuRig& rig, int voxels);
+
+  /// Records the carving of `masks` (GpuRig's layout). Work is proportional to the hull's surface.
+  void record(Recorder& recorder, const Buffer<std::uint32_t>& masks);
+
+  int voxels() const { return voxels_; }
+  double voxelMetres() const { return rig_.rig().workspace.edge_m / voxels_; }
+  std::uint32_t bricksEdge() const { return bricks_edge_; }
+  const Buffer<std::uint32_t>& brickStates() const { return brick_states_; }
+  const Buffer<std::uint32_t>& words() const { return words_; }
+  const Buffer<HullSummary>& summary() const { return summary_; }
+  /// Copies the model to the CPU. \pre the recorded work is done
+  VoxelGrid download() const;
+
+ private:
+  void recordBlocks(Recorder& recorder, const Kernel<CarveBlockArgs>& kernel, int level);
+
+  Gpu& gpu_;
+  const GpuRig& rig_;
+  int voxels_;
+  std::uint32_t bricks_edge_;
+  Kernel<CarveTableArgs> rows_, columns_;
+  Kernel<CarveBlockArgs> top_blocks_, brick_blocks_, small_blocks_;
+  Kernel<CarveVoxelArgs> voxel_kernel_;
+  Kernel<CarveSummaryArgs> summary_kernel_;
+  Kernel<CarveTotalArgs> total_kernel_;
+  Buffer<std::uint32_t> tables_, brick_states_, words_;
+  std::array<Buffer<MixedBlock>, 3> mixed_;  ///< of 32, 8 and 4 voxels
+  std::array<Buffer<MixedCount>, 3> mixed_count_;
+  std::uint32_t summary_groups_, bricks_per_invocation_;
+  Buffer<std::uint64_t> partial_sums_;
+  Buffer<HullSummary> summary_;
+};
+
+/// The reference: every voxel by itself, in double precision.
+VoxelGrid carveReference(const Rig& rig, const std::vector<Mask>& masks, int voxels);
+
+/// Voxels of which a camera's projection falls within `pixels` of a pixel of the other kind or of a picture's
+/// border: there float and double may round to different pixels. One byte a voxel.
+std::vector<std::uint8_t> edgeVoxels(const Rig& rig, const std::vector<Mask>& masks, int voxels,
+                                     double pixels);
+
+/// Occupied voxels and their centre of gravity in the world, in double precision.
+struct HullFigures {
+  std::size_t occupied = 0;
+  Vec3 centroid = Vec3::Zero();
+};
+HullFigures hullFigures(const VoxelGrid& grid, const Workspace& workspace);
+
+}  // namespace airclay

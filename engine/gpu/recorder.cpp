@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: MIT
+#include "engine/gpu/recorder.h"
+
+#include <algorithm>
+
+#include "engine/error.h"
+
+namespace airclay {
+
+bool HazardTracker::needsBarrier(const std::vector<Access>& accesses) {
+  const bool races = std::any_of(accesses.begin(), accesses.end(), [&](const Access& access) {
+    return written_.count(access.buffer) || (access.writes && read_.count(access.buffer));
+  });
+  if (races) reset();
+  for (const Access& access : accesses) {
+    if (access.reads) read_.insert(access.buffer);
+    if (access.writes) written_.insert(access.buffer);
+  }
+  return races;
+}
+
+void HazardTracker::reset() {
+  read_.clear();
+  written_.clear();
+}
+
+std::vector<std::pair<int, int>> hazards(const std::vector<RecordedCommand>& commands) {
+  std::vector<std::pair<int, int>> found;
+  const auto conflict = [](const RecordedCommand& a, const RecordedCommand& b) {
+    for (const Access& x : a.accesses)
+      for (const Access& y : b.accesses)
+        if (x.buffer == y.buffer && (x.writes || y.writes)) return true;
+    return false;
+  };
+  for (int later = 0; later < static_cast<int>(commands.size()); ++later) {
+    // walk back until a barrier separates; the barrier before `later` itself separates it from all
+    for (int earlier = later; earlier > 0 && !commands[static_cast<std::size_t>(earlier)].barrier_before;
+         --earlier)
+      if (conflict(commands[static_cast<std::size_t>(earlier - 1)],
+                   commands[static_cast<std::size_t>(later)]))
+        found.emplace_back(earlier - 1, later);
+  }
+  return found;
+}
+
+Recorder::Recorder(Gpu& gpu) : gpu_(gpu) {
+  VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
+  pool.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
+  pool.queueFamilyIndex = gpu.queueFamily();
+  check(vkCreateCommandPool(gpu.device(), &pool, nullptr, &pool_), "make a command pool");
+  VkCommandBufferAllocateInfo allocate{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
+  allocate.commandPool = pool_;
+  allocate.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
+  allocate.commandBufferCount = 1;
+  check(vkAllocateCommandBuffers(gpu.device(), &allocate, &command_buffer_), "make a command buffer");
+  const VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO, nullptr, 0};
+  check(vkCreateFence(gpu.device(), &fence, nullptr, &fence_), "make a fence");
+  VkQueryPoolCreateInfo queries{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
+  queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
+  queries.queryCount = kMaxStages + 1;
+  check(vkCreateQueryPool(gpu.device(), &queries, nullptr, &queries_), "make timestamps");
+}
+
+Recorder::~Recorder() {
+  vkDeviceWaitIdle(gpu_.device());
+  vkDestroyQueryPool(gpu_.device(), queries_, nullptr);
+  vkDestroyFence(gpu_.device(), fence_, nullptr);
+  vkDestroyCommandPool(gpu_.device(), pool_, nullptr);
+}
+
+void Recorder::begin() {
+  commands_.clear();
+  stages_.clear();
+  tracker_.reset();
+  bound_ = VK_NULL_HANDLE;
+  VkCommandBufferBeginInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+  info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+  check(vkBeginCommandBuffer(command_buffer_, &info), "record commands");
+  vkCmdResetQueryPool(command_buffer_, queries_, 0, kMaxStages + 1);
+}
+
+void Recorder::stage(const std::string& name) {
+  if (stages_.size() >= kMaxStages) throw Error("a submission has too many stages", Fault::kDevice);
+  vkCmdWriteTimestamp2(command_buffer_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_,
+                       static_cast<std::uint32_t>(stages_.size()));
+  stages_.push_back(name);
+}
+
+void Recorder::barrier() {
+  VkMemoryBarrier2 memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
+  memory.srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+  memory.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
+  memory.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+  memory.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
+  VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+  dependency.memoryBarrierCount = 1;
+  dependency.pMemoryBarriers = &memory;
+  vkCmdPipelineBarrier2(command_buffer_, &dependency);
+}
+
+VkCommandBuffer Recorder::commandsFor(const std::string& name, const std::vector<Access>& accesses) {
+  const bool needed = tracker_.needsBarrier(accesses);
+  if (needed) barrier();
+  commands_.push_back({name, accesses, needed});
+  return command_buffer_;
+}
+
+std::vector<Access> Recorder::accessesOf(const std::vector<PointerArgument>& pointers,
+                                         const void* args) const {
+  std::vector<Access> accesses;
+  for (const PointerArgument& pointer : pointers) {
+    std::uint64_t address;
+    std::memcpy(&address, static_cast<const unsigned char*>(args) + pointer.offset, sizeof address);
+    if (address == 0) continue;  // an optional argument that is not given
+    const std::uint64_t buffer = gpu_.liveBufferAt(address);
+    if (buffer == 0) throw Error("a kernel was given a pointer into no live buffer", Fault::kDevice);
+    accesses.push_back({buffer, pointer.reads, pointer.writes});
+  }
+  return accesses;
+}
+
+void Recorder::bind(const RawKernel& kernel, const void* args, std::uint32_t bytes) {
+  if (bound_ != kernel.pipeline()) {
+    vkCmdBindPipeline(command_buffer_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel.pipeline());
+    bound_ = kernel.pipeline();
+  }
+  vkCmdPushConstants(command_buffer_, kernel.layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0, bytes, args);
+}
+
+void Recorder::dispatchRaw(const RawKernel& kernel, const void* args, std::uint32_t bytes, std::uint32_t x,
+                           std::uint32_t y, std::uint32_t z) {
+  commandsFor(kernel.name(), accessesOf(kernel.pointers(), args));
+  bind(kernel, args, bytes);
+  vkCmdDispatch(command_buffer_, x, y, z);
+}
+
+void Recorder::dispatchIndirectRaw(const RawKernel& kernel, const void* args, std::uint32_t bytes,
+                                   const RawBuffer& groups, std::uint64_t byte_offset) {
+  std::vector<Access> accesses = accessesOf(kernel.pointers(), args);
+  accesses.push_back({groups.address(), true, false});
+  commandsFor(kernel.name(), accesses);
+  bind(kernel, args, bytes);
+  vkCmdDispatchIndirect(command_buffer_, groups.handle(), groups.offset() + byte_offset);
+}
+
+void Recorder::fill(const RawBuffer& buffer, std::uint32_t word) {
+  commandsFor("fill", {{buffer.address(), false, true}});
+  vkCmdFillBuffer(command_buffer_, buffer.handle(), buffer.offset(), buffer.bytes() / 4 * 4, word);
+}
+
+void Recorder::update(const RawBuffer& buffer, const void* data, std::uint64_t bytes) {
+  commandsFor("update", {{buffer.address(), false, true}});
+  vkCmdUpdateBuffer(command_buffer_, buffer.handle(), buffer.offset(), bytes, data);
+}
+
+void Recorder::copy(const RawBuffer& from, const RawBuffer& to, std::uint64_t bytes) {
+  commandsFor("copy", {{from.address(), true, false}, {to.address(), false, true}});
+  const VkBufferCopy region{from.offset(), to.offset(), bytes};
+  vkCmdCopyBuffer(command_buffer_, from.handle(), to.handle(), 1, &region);
+}
+
+void Recorder::submit() {
+  vkCmdWriteTimestamp2(command_buffer_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_,
+                       static_cast<std::uint32_t>(stages_.size()));
+  VkMemoryBarrier2 memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
+  memory.srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+  memory.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
+  memory.dstStageMask = VK_PIPELINE_STAGE_2_HOST_BIT;
+  memory.dstAccessMask = VK_ACCESS_2_HOST_READ_BIT;
+  VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+  dependency.memoryBarrierCount = 1;
+  dependency.pMemoryBarriers = &memory;
+  vkCmdPipelineBarrier2(command_buffer_, &dependency);
+  check(vkEndCommandBuffer(command_buffer_), "record commands");
+
+  VkCommandBufferSubmitInfo buffer{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO};
+  buffer.commandBuffer = command_buffer_;
+  VkSubmitInfo2 info{VK_STRUCTURE_TYPE_SUBMIT_INFO_2};
+  info.commandBufferInfoCount = 1;
+  info.pCommandBufferInfos = &buffer;
+  check(vkResetFences(gpu_.device(), 1, &fence_), "reset a fence");
+  check(vkQueueSubmit2(gpu_.queue(), 1, &info, fence_), "submit work");
+}
+
+void Recorder::wait() {
+  check(vkWaitForFences(gpu_.device(), 1, &fence_, VK_TRUE, UINT64_MAX), "wait for the device");
+  readTimestamps();
+}
+
+void Recorder::submitAndWait() {
+  submit();
+  wait();
+}
+
+void Recorder::readTimestamps() {
+  stage_ms_.clear();
+  const std::size_t count = stages_.size() + 1;
+  std::vector<std::uint64_t> ticks(count);
+  check(vkGetQueryPoolResults(gpu_.device(), queries_, 0, static_cast<std::uint32_t>(count), count * 8,
+                              ticks.data(), 8, VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
+        "read the timestamps");
+  for (std::size_t i = 0; i < stages_.size(); ++i) {
+    const double ms = static_cast<double>(ticks[i + 1] - ticks[i]) *
+                      static_cast<double>(gpu_.limits().timestampPeriod) * 1e-6;
+    const auto same = std::find_if(stage_ms_.begin(), stage_ms_.end(),
+                                   [&](const auto& s) { return s.first == stages_[i]; });
+    if (same != stage_ms_.end())
+      same->second += ms;
+    else
+      stage_ms_.emplace_back(stages_[i], ms);
+  }
+}
+
+}  // namespace airclay

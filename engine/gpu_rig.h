@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+// A rig as the kernels take it: its cameras, and how their masks lie in memory.
+#pragma once
+
+#include "engine/gpu/buffer.h"
+#include "engine/rig.h"
+#include "shaders/camera_io.h"
+
+namespace airclay {
+
+/// A binary picture, one byte a pixel (0: background, anything else: object), row by row. In the raw,
+/// distorted picture.
+struct Mask {
+  int width = 0, height = 0;  ///< pixels
+  std::vector<std::uint8_t> pixels;
+};
+
+/// The cameras of a rig in device memory. The kernels' world is the workspace's frame: the world moved to the
+/// cube's centre.
+class GpuRig {
+ public:
+  /// \throw Error past kMaxCameras cameras.
+  GpuRig(Gpu& gpu, const Rig& rig);
+
+  const Rig& rig() const { return rig_; }
+  std::uint32_t cameraCount() const { return static_cast<std::uint32_t>(rig_.cameras.size()); }
+  const Buffer<GpuCamera>& cameras() const { return cameras_; }
+  const GpuCamera& camera(std::size_t index) const { return host_cameras_[index]; }
+
+  /// Words of all masks together (see camera_io.h for their layout).
+  std::uint32_t maskWords() const { return mask_words_; }
+  std::uint32_t tableWords() const { return table_words_; }
+  /// The largest number of rows, and of words a row, of any camera's mask; of tile rows or columns.
+  std::uint32_t maxRows() const { return max_rows_; }
+  std::uint32_t maxRowWords() const { return max_row_words_; }
+  std::uint32_t maxTileLines() const { return max_tile_lines_; }
+
+  /// Packs masks, one a camera, one bit a pixel. \pre sizes are the cameras'
+  void pack(const std::vector<Mask>& masks, std::span<std::uint32_t> words) const;
+  /// The inverse of pack().
+  std::vector<Mask> unpack(std::span<const std::uint32_t> words) const;
+
+ private:
+  Rig rig_;
+  std::vector<GpuCamera> host_cameras_;
+  Buffer<GpuCamera> cameras_;
+  std::uint32_t mask_words_ = 0, table_words_ = 0, max_rows_ = 0, max_row_words_ = 0, max_tile_lines_ = 0;
+};
+
+/// The kernels' form of a camera, all but the memory layout.
+GpuCamera gpuCamera(const Camera& camera, const Workspace& workspace);
+
+}  // namespace airclay

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT
+// The voxel model (the paper's fig. 1) in device memory, and the arguments of the kernels that carve it.
+//
+// Voxel (i, j, k) of N³ has its centre at (i + ½, j + ½, k + ½) · edge / N from the workspace's low corner.
+// The model is stored brick by brick: 8³ voxels, each brick empty, full, or mixed. A mixed brick has 16 words: its eight 4³ blocks
+// in turn (x fastest), two words each; bit x + 4 y + 16 z of a block, the low word first.
+#ifndef AIRCLAY_CARVE_IO_H
+#define AIRCLAY_CARVE_IO_H
+
+#include "shaders/camera_io.h"
+
+AIRCLAY_IO_BEGIN
+
+const uint kBrickVoxels = 8;   // along an edge
+const uint kBlockVoxels = 4;   // along an edge of the smallest block that is classed as a whole
+const uint kTopVoxels = 32;    // along an edge of the largest
+const uint kBrickWords = 16;
+
+const uint kBrickEmpty = 0;
+const uint kBrickFull = 1;
+const uint kBrickMixed = 2;
+
+// A block that is neither surely empty nor surely full.
+struct MixedBlock {
+  uint low_corner;  // in blocks of its size: x | y << 10 | z << 20
+  uint cameras;     // bits of the cameras that have not decided over all of it
+  uint seen;        // how many others see all of it, and it lies inside their silhouettes
+};
+
+READ_POINTER(ReadMixedBlocks, MixedBlock)
+WRITE_POINTER(WriteMixedBlocks, MixedBlock)
+
+// How many mixed blocks there are, and the dispatch that treats their children.
+struct MixedCount {
+  uint groups_x;
+  uint groups_y;
+  uint groups_z;
+  uint count;
+};
+
+READ_POINTER(ReadMixedCounts, MixedCount)
+READ_WRITE_POINTER(ReadWriteMixedCounts, MixedCount)
+
+// Volume and centre of gravity, from integers: exact.
+struct HullSummary {
+  uint occupied;   // voxels
+  uint pad;
+  vec3 gravity_center;  // metres, from the workspace's centre; 0 when nothing is occupied
+};
+
+READ_POINTER(ReadHullSummaries, HullSummary)
+WRITE_POINTER(WriteHullSummaries, HullSummary)
+
+READ_POINTER(ReadUlongs, uint64_t)
+WRITE_POINTER(WriteUlongs, uint64_t)
+
+// Workgroup size of all but the summary's second step.
+const uint kCarveWorkgroup = 64;
+
+// carve_rows: for each tile of each mask whether any and whether all of its pixels are set; sums along tile rows.
+// carve_columns: the sums down the columns: summed-area tables (Crow 1984) with a leading row and column of zeros.
+// A camera has two tables behind each other, `any` then `all`, (tiles_x + 1) x (tiles_y + 1) each.
+struct CarveTableArgs {
+  ReadCameras cameras;
+  ReadUints masks;
+  ReadWriteUints tables;
+  uint camera_count;
+  uint max_lines;  // the largest number of tile rows (columns) of a camera
+};
+
+// carve_blocks: classes the children of mixed blocks. Specialization constant 1: voxels along a child's edge.
+struct CarveBlockArgs {
+  ReadCameras cameras;
+  ReadUints tables;
+  ReadMixedBlocks parents;       // 0 at the top: one parent, the cube
+  ReadMixedCounts parent_count;  // 0 at the top
+  WriteMixedBlocks mixed;
+  ReadWriteMixedCounts mixed_count;
+  WriteUints brick_states;
+  WriteUints words;
+  uint camera_count;
+  uint voxels;          // N
+  float voxel_m;
+  uint children_edge;   // children along a parent's edge
+  uint grandchildren;   // of a child: how many the next kernel treats
+};
+
+// carve_voxels: every voxel of the mixed 4³ blocks.
+struct CarveVoxelArgs {
+  ReadCameras cameras;
+  ReadUints masks;
+  ReadMixedBlocks blocks;
+  ReadMixedCounts block_count;
+  WriteUints words;
+  uint voxels;
+  float voxel_m;
+};
+
+// carve_summary: partial sums of voxel counts and indices (count, x, y, z) a workgroup; carve_total: their sum.
+struct CarveSummaryArgs {
+  ReadUints brick_states;
+  ReadUints words;
+  WriteUlongs partial_sums;
+  uint brick_count;
+  uint bricks_edge;
+  uint bricks_per_invocation;
+};
+
+struct CarveTotalArgs {
+  ReadUlongs partial_sums;
+  WriteHullSummaries summary;
+  uint partial_count;
+  uint voxels;
+  float voxel_m;
+};
+
+AIRCLAY_IO_END
+
+#endif
