@@ -151,7 +151,7 @@ const std::array<Ray, 4> kFingers = {{
     {{28, 14, -1.5}, {68.12, 39.78, 22.38, 15.82, 3.84}, 9.7, -0.5, 6.5, -3, 2.5, 20, 17},
     {{33, 3.5, 0}, {64.60, 44.63, 26.33, 17.40, 3.95}, 0.3, 0, -2.2, -2.5, 2.5, 20, 17},
     {{30.5, -6.5, -1}, {58.00, 41.37, 25.65, 17.30, 3.95}, -10.5, -1.5, -9, -3, 2.5, 19, 16.5},
-    {{26, -15, -3}, {53.69, 32.74, 18.11, 15.96, 3.73}, -23, -4, -18, -3, 2.5, 17, 14.5},
+    {{26, -15, -3}, {53.69, 32.74, 18.11, 15.96, 3.73}, -24, -4, -20, -3, 2.5, 17, 14.5},
 }};
 const Ray kThumb = {{17, 20, -8}, {46.22, 31.57, 0, 21.67, 5.67}, 41, -22, 33, -16, 0, 22, 21};
 
@@ -226,9 +226,9 @@ Loft thumbLoft() {
   const double tip_cap = 11, tip_share = 1 - tip_cap / (joints[3] - joints[2]).norm();
   return Loft(
       frame,
-      {sectionAt(frame, between(1, 0), 11.5, 10.5, 12), sectionAt(frame, between(1, 0.55), 9.8, 8.8, 10),
-       sectionAt(frame, between(2, 0), 11, 9, 9), sectionAt(frame, between(2, 0.35), 10.8, 7.8, 9.6),
-       sectionAt(frame, between(2, tip_share), 9.8, 6, 8.8)},
+      {sectionAt(frame, between(1, 0), 11.5, 10.5, 12), sectionAt(frame, between(1, 0.55), 10.2, 9.2, 10.4),
+       sectionAt(frame, between(2, 0), 11, 9.3, 9.3), sectionAt(frame, between(2, 0.35), 11.2, 8, 9.8),
+       sectionAt(frame, between(2, tip_share), 10.4, 6.2, 9)},
       10, tip_cap);
 }
 
@@ -256,10 +256,10 @@ std::vector<Loft> palmMuscles() {
   const std::vector<Vec3> thumb = jointsOf(kThumb);
   const Pose ball = frameAlong({24, 15, -17}, thumb[1] - thumb[0], kThumbBack);
   const Pose edge = frameAlong({18, -21, -9}, direction(-14, 0), kBack);
-  const Pose web = frameAlong({34, 30, -9}, direction(20, -6), Vec3(0, 0.35, 1));
+  const Pose web = frameAlong({34, 30, -9}, direction(24, -7), Vec3(0, 0.35, 1));
   return {Loft(ball, {{0, 0, 0, 12, 12, 13}, {14, 0, 0, 15, 12, 15}, {26, 0, 0, 11, 10, 11}}, 14, 16),
           Loft(edge, {{0, 0, 0, 11, 11, 14}, {18, 0, 0, 13, 11, 14}, {36, 0, 0, 11, 9, 10}}, 14, 18),
-          Loft(web, {{0, 0, 0, 14, 8, 9}, {14, 0, 0, 16, 7, 8}, {26, 2, 0, 12, 5.5, 6.5}}, 14, 14)};
+          Loft(web, {{0, 0, 0, 12, 8, 9}, {10, 0, 0, 13, 6.5, 8}, {20, 1, 0, 9, 4.5, 6}}, 14, 10)};
 }
 
 /// The webs between neighbouring fingers: short bodies from one to the next, a third of the first phalanx
@@ -269,12 +269,14 @@ std::vector<Loft> fingerWebs() {
   for (size_t f = 0; f + 1 < kFingers.size(); ++f) {
     const auto at = [&](const Ray& ray) {
       const std::vector<Vec3> joints = jointsOf(ray);
-      return Vec3(joints[1] + 0.30 * (joints[2] - joints[1]));
+      return Vec3(joints[1] + 0.37 * (joints[2] - joints[1]));
     };
     const Vec3 a = at(kFingers[f]), b = at(kFingers[f + 1]);
     const Pose frame = frameAlong(a, b - a, kBack);
     const double length = (b - a).norm();
-    webs.push_back(Loft(frame, {{0, 0, -1, 8, 6, 9}, {length, 0, -1, 8, 6, 9}}, 4, 4));
+    webs.push_back(Loft(
+        frame, {{0, 0, -1, 5.5, 5.5, 8}, {length / 2, 0, -1.5, 4.5, 5, 7.5}, {length, 0, -1, 5.5, 5.5, 8}}, 4,
+        4));
   }
   return webs;
 }
@@ -298,18 +300,18 @@ class HandShape {
 
   double palm(const Vec3& point) const {
     double nearest = palm_.distance(point);
-    for (const Loft& metacarpal : metacarpals_) nearest = smoothMin(nearest, metacarpal.distance(point), 7);
-    for (const Loft& web : webs_) nearest = smoothMin(nearest, web.distance(point), 5);
-    for (const Loft& muscle : muscles_) nearest = smoothMin(nearest, muscle.distance(point), 10);
-    return smoothMin(nearest, thumb_metacarpal_.distance(point), 10);
+    for (const Loft& metacarpal : metacarpals_) nearest = smoothMin(nearest, metacarpal.distance(point), 12);
+    for (const Loft& web : webs_) nearest = smoothMin(nearest, web.distance(point), 8);
+    for (const Loft& muscle : muscles_) nearest = smoothMin(nearest, muscle.distance(point), 14);
+    return smoothMin(nearest, thumb_metacarpal_.distance(point), 18);
   }
 
   double distance(const Vec3& point) const {
     double fingers = fingers_[0].distance(point);
     for (size_t f = 1; f < fingers_.size(); ++f) fingers = std::min(fingers, fingers_[f].distance(point));
     const double palm_distance = palm(point);
-    const double hand = smoothMin(smoothMin(palm_distance, fingers, 6), thumb_.distance(point), 6);
-    return -smoothMin(-hand, point.x() - kCutX, 3);
+    const double hand = smoothMin(smoothMin(palm_distance, fingers, 8), thumb_.distance(point), 10);
+    return -smoothMin(-hand, point.x() - kCutX, 6);
   }
 
  private:
@@ -395,7 +397,7 @@ HandModel builtInHand(bool left) {
   HandModel hand;
   hand.name = left ? "left" : "right";
   hand.joints = skeleton();
-  const NetGrid grid{{-18, -76, -54}, {5, 4.2, 4.2}, {44, 42, 19}};
+  const NetGrid grid{{-18.5, -76, -54}, {4.7, 4.4, 4.4}, {46, 41, 18}};
   hand.skin = surfaceNet([&](const Vec3& point) { return shape.distance(point); }, grid);
   for (const Vec3& vertex : hand.skin.vertices) hand.weights.push_back(weightsAt(vertex, shape, hand.joints));
   scaleToMetres(hand.skin);
