@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: MIT
+// Wavefront OBJ (Wavefront's Advanced Visualizer manual, appendix B1: `v` and `f` statements, relative
+// indices, line continuation), PLY, and files that appear whole or not at all.
+#include "engine/mesh_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <bit>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+#include "engine/cage.h"
+#include "engine/error.h"
+
+namespace airclay {
+namespace {
+
+constexpr size_t kMaxObjBytes = size_t(256) << 20;  // text of 5 million points and their faces
+constexpr size_t kMaxObjPoints = 5'000'000;
+constexpr size_t kMaxObjCorners = 20'000'000;  // as many quads as points
+
+/// An open file, closed on the way out.
+class FileHandle {
+ public:
+  explicit FileHandle(int descriptor) : descriptor_(descriptor) {}
+  FileHandle(const FileHandle&) = delete;
+  FileHandle& operator=(const FileHandle&) = delete;
+  ~FileHandle() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+  int get() const { return descriptor_; }
+  /// Closing tells of late write errors (quotas, network folders).
+  bool close() { return ::close(std::exchange(descriptor_, -1)) == 0; }
+
+ private:
+  int descriptor_;
+};
+
+std::string reason() {
+  return std::strerror(errno);
+}
+
+/// Takes words off the front of a line.
+class Words {
+ public:
+  explicit Words(std::string_view line) : rest_(line) {}
+  /// Empty at the end of the line.
+  std::string_view next() {
+    const size_t begin = std::min(rest_.find_first_not_of(kSpace), rest_.size());
+    const size_t end = std::min(rest_.find_first_of(kSpace, begin), rest_.size());
+    const std::string_view word = rest_.substr(begin, end - begin);
+    rest_.remove_prefix(end);
+    return word;
+  }
+
+ private:
+  static constexpr const char* kSpace = " \t\r\v\f";
+  std::string_view rest_;
+};
+
+/// Takes the lines off a text, a line that ends in a backslash together with the next. Comments are cut off
+/// first, as one may end in the path of a folder.
+class ObjLines {
+ public:
+  explicit ObjLines(std::string_view text) : rest_(text) {
+    if (rest_.starts_with("\xEF\xBB\xBF")) rest_.remove_prefix(3);  // a byte-order mark
+  }
+  /// False at the end of the text.
+  bool next(std::string_view& line) {
+    if (rest_.empty()) return false;
+    number_ = lines_taken_ + 1;
+    line = takeLine();
+    if (!line.ends_with('\\')) return true;
+    joined_.clear();
+    while (line.ends_with('\\')) {
+      joined_.append(line.substr(0, line.size() - 1)).push_back(' ');
+      line = rest_.empty() ? std::string_view() : takeLine();
+    }
+    line = joined_.append(line);
+    return true;
+  }
+  /// Of the line taken last, counted from 1; of several, the first.
+  long number() const { return number_; }
+
+ private:
+  std::string_view takeLine() {
+    const size_t end = std::min(rest_.find('\n'), rest_.size());
+    std::string_view line = rest_.substr(0, end);
+    rest_.remove_prefix(std::min(end + 1, rest_.size()));
+    ++lines_taken_;
+    if (const size_t comment = line.find('#'); comment != std::string_view::npos)
+      return line.substr(0, comment);
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    return line;
+  }
+
+  std::string_view rest_;
+  std::string joined_;
+  long lines_taken_ = 0, number_ = 0;
+};
+
+/// The `v` and `f` statements of an OBJ.
+class ObjReader {
+ public:
+  ObjReader(const std::filesystem::path& file, std::string_view text) : file_(file.string()) {
+    ObjLines lines(text);
+    std::string_view line;
+    while (lines.next(line)) {
+      line_number_ = lines.number();
+      Words words(line);
+      const std::string_view keyword = words.next();
+      if (keyword == "v") readPoint(words);
+      if (keyword == "f") readFace(words);
+    }
+    if (mesh_.points.empty()) throw Error(file_ + ": there is no vertex; a cage needs `v x y z` lines");
+    if (mesh_.faces.empty()) throw Error(file_ + ": there is no face; a cage needs `f a b c …` lines");
+    checkForwardIndices();
+  }
+
+  PolygonMesh take() { return std::move(mesh_); }
+
+ private:
+  [[noreturn]] void fail(const std::string& what) const { failAt(line_number_, what); }
+  [[noreturn]] void failAt(long line, const std::string& what) const {
+    throw Error(file_ + ":" + std::to_string(line) + ": " + what);
+  }
+
+  void readPoint(Words& words) {
+    Vec3 point = Vec3::Zero();
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::string_view word = words.next();
+      if (word.empty()) fail("a vertex has " + std::to_string(axis) + " coordinates; it needs x, y and z");
+      const std::optional<double> number = parseNumber(word);
+      if (!number) fail("coordinate '" + printable(word) + "' is no finite number");
+      point[axis] = *number;
+    }
+    if (mesh_.points.size() == kMaxObjPoints)
+      fail("more than " + std::to_string(kMaxObjPoints) + " vertices");
+    mesh_.points.push_back(point);
+  }
+
+  void readFace(Words& words) {
+    std::vector<int> face;
+    for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
+      face.push_back(readCorner(word));
+      if (++corner_count_ > kMaxObjCorners)
+        fail("more than " + std::to_string(kMaxObjCorners) + " face corners");
+    }
+    std::vector<int> sorted = face;
+    std::sort(sorted.begin(), sorted.end());
+    const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
+    if (face.size() < 3 || twice != sorted.end())
+      fail("a face needs three or more different corners; this one has " +
+           (face.size() < 3 ? std::to_string(face.size())
+                            : "vertex " + std::to_string(*twice + 1) + " twice"));
+    mesh_.faces.push_back(std::move(face));
+  }
+
+  /// `point`, `point/texture`, `point//normal` or `point/texture/normal`; negative ones count back from here.
+  int readCorner(std::string_view word) {
+    const std::string_view texture_and_normal = word.substr(std::min(word.find('/'), word.size()));
+    const std::string_view digits = word.substr(0, word.size() - texture_and_normal.size());
+    long index = 0;
+    const auto [end, fault] = std::from_chars(digits.data(), digits.data() + digits.size(), index);
+    const bool is_number = !digits.empty() && end == digits.data() + digits.size();
+    if (!is_number || texture_and_normal.find_first_not_of("/-0123456789") != std::string_view::npos)
+      fail("'" + printable(word) + "' is no face corner; a corner is a vertex's number, as in 3 or 3/1/2");
+    const long known = long(mesh_.points.size());
+    if (index < 0) index += known + 1;
+    if (fault != std::errc() || index < 1 || index > long(kMaxObjPoints)) failRange(line_number_, digits);
+    if (index > known) forward_.push_back({int(index - 1), line_number_});
+    return int(index - 1);
+  }
+
+  [[noreturn]] void failRange(long line, std::string_view index) const {
+    failAt(line, "face index " + printable(index) + " is out of range; there are vertices 1 to " +
+                     std::to_string(mesh_.points.size()) + " here");
+  }
+
+  /// A face may stand before its vertices.
+  void checkForwardIndices() const {
+    for (const ForwardIndex& forward : forward_)
+      if (size_t(forward.point) >= mesh_.points.size())
+        failRange(forward.line, std::to_string(forward.point + 1));
+  }
+
+  struct ForwardIndex {
+    int point;
+    long line;
+  };
+
+  std::string file_;
+  PolygonMesh mesh_;
+  std::vector<ForwardIndex> forward_;
+  size_t corner_count_ = 0;
+  long line_number_ = 0;
+};
+
+void append(std::string& text, double number) {
+  char digits[32];
+  const auto end = std::to_chars(digits, digits + sizeof digits, number, std::chars_format::general, 9).ptr;
+  text.append(digits, end);
+}
+
+void writeAll(FileHandle& handle, const std::string& content, const std::string& name) {
+  for (size_t written = 0; written < content.size();) {
+    const ssize_t count = ::write(handle.get(), content.data() + written, content.size() - written);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) throw Error(name + ": cannot be written: " + reason());
+    written += size_t(count);
+  }
+  if (!handle.close()) throw Error(name + ": cannot be written: " + reason());
+}
+
+/// A device or a pipe takes the content as it comes: a renamed file would take its place.
+void writeStraight(const std::filesystem::path& file, const std::string& content) {
+  FileHandle handle(::open(file.c_str(), O_WRONLY | O_CLOEXEC));
+  if (handle.get() < 0) throw Error(file.string() + ": cannot be written: " + reason());
+  writeAll(handle, content, file.string());
+}
+
+}  // namespace
+
+std::optional<double> parseNumber(std::string_view word) {
+  if (word.starts_with('+')) word.remove_prefix(1);
+  double number = 0;
+  const auto [end, fault] = std::from_chars(word.data(), word.data() + word.size(), number);
+  if (word.empty() || end != word.data() + word.size() || fault != std::errc() || !std::isfinite(number))
+    return std::nullopt;
+  return number;
+}
+
+std::string printable(std::string_view word) {
+  std::string text;
+  for (const char c : word.substr(0, 40)) text += c >= ' ' && c <= '~' ? c : '?';
+  return word.size() > 40 ? text + "..." : text;
+}
+
+std::string readWhole(const std::filesystem::path& file, size_t max_bytes) {
+  const std::string name = file.string();
+  FileHandle handle(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+  if (handle.get() < 0) throw Error(name + ": cannot be read: " + reason());
+  std::string content;
+  std::vector<char> block(size_t(1) << 20);
+  while (true) {
+    const ssize_t count = ::read(handle.get(), block.data(), block.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) throw Error(name + ": cannot be read: " + reason());
+    if (count == 0) return content;
+    if (content.size() + size_t(count) > max_bytes)
+      throw Error(name + ": is larger than " + std::to_string(max_bytes >> 20) +
+                  " MB, the most that is read");
+    content.append(block.data(), size_t(count));
+  }
+}
+
+PolygonMesh readObj(const std::filesystem::path& file) {
+  PolygonMesh mesh = ObjReader(file, readWhole(file, kMaxObjBytes)).take();
+  checkCage(mesh, file.string());
+  return mesh;
+}
+
+void writeObj(const std::filesystem::path& file, const PolygonMesh& mesh) {
+  std::string text;
+  for (const Vec3& point : mesh.points) {
+    text += 'v';
+    for (int axis = 0; axis < 3; ++axis) {
+      text += ' ';
+      append(text, point[axis]);
+    }
+    text += '\n';
+  }
+  for (const std::vector<int>& face : mesh.faces) {
+    text += 'f';
+    for (const int corner : face) text.append(" ").append(std::to_string(corner + 1));
+    text += '\n';
+  }
+  writeWhole(file, text);
+}
+
+void writePly(const std::filesystem::path& file, const std::vector<Eigen::Vector3f>& points) {
+  static_assert(std::endian::native == std::endian::little && sizeof(Eigen::Vector3f) == 12);
+  std::string content = "ply\nformat binary_little_endian 1.0\nelement vertex " +
+                        std::to_string(points.size()) +
+                        "\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
+  if (!points.empty()) content.append(reinterpret_cast<const char*>(points.data()), points.size() * 12);
+  writeWhole(file, content);
+}
+
+void writeWhole(const std::filesystem::path& file, const std::string& content) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored))
+    throw Error(file.string() + ": cannot be written: it is a folder; name a file");
+  if (std::filesystem::exists(file, ignored) && !std::filesystem::is_regular_file(file, ignored))
+    return writeStraight(file, content);
+  // Through a link: its target is replaced, the link stays.
+  const std::filesystem::path target =
+      std::filesystem::is_symlink(file, ignored) ? std::filesystem::weakly_canonical(file, ignored) : file;
+  std::filesystem::path beside = target;
+  beside += ".part-" + std::to_string(::getpid());
+  FileHandle handle(::open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
+  if (handle.get() < 0)
+    throw Error(file.string() + ": cannot be written: " + reason() + "; name a file in a folder that can be");
+  try {
+    writeAll(handle, content, file.string());
+    if (::rename(beside.c_str(), target.c_str()) != 0)
+      throw Error(file.string() + ": cannot be written: " + reason());
+  } catch (const Error&) {
+    ::unlink(beside.c_str());
+    throw;
+  }
+}
+
+}  // namespace airclay
