@@ -105,9 +105,9 @@ Camera readCamera(const Entry& entry, const std::string& name, double metres, co
   if (matrix.size() != 9) entry.fail("matrix", matrix_form);
   camera.matrix = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(matrix.data());
   if (entry.table.contains("fisheye")) {
-    const std::optional<bool> fisheye = entry.table["fisheye"].value<bool>();
+    const toml::value<bool>* fisheye = entry.table["fisheye"].as_boolean();
     if (!fisheye) entry.fail("fisheye", "true or false");
-    camera.fisheye = *fisheye;
+    camera.fisheye = fisheye->get();
   }
   camera.distortions = entry.numbers("distortions", "4, 5 or 8 numbers in OpenCV's order (4 with fisheye)");
   camera.rotation = entry.numbers("rotation", "3 numbers (Rodrigues) or a 3 x 3 matrix");
