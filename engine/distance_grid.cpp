@@ -108,7 +108,7 @@ class Hierarchy {
   }
 
  private:
-  static constexpr int kLeaf = 4;
+  static constexpr int kLeaf = 8;
   static constexpr size_t kMaxDepth = 64;  // halved by count at each level
   // A dipole seen from 3 radii away: the winding number errs by a few hundredths, and only which side of 1/2
   // counts.
