@@ -34,18 +34,26 @@ std::optional<Number> parsed(const std::string& cell) {
   return result.ec == std::errc() && result.ptr == end ? std::optional(value) : std::nullopt;
 }
 
-/// Every text that a row may call a camera by, with the camera's place in the rig.
+/// The number that a name ends in, without leading zeros; "" when it ends in none.
+std::string trailingNumber(const std::string& name) {
+  const std::string digits =
+      name.substr(name.find_last_not_of("0123456789") + 1);  // npos + 1 is 0: all of it
+  const size_t significant = digits.find_first_not_of('0');
+  return significant == std::string::npos ? digits.substr(0, 1) : digits.substr(significant);
+}
+
+/// Every text that a row may call a camera by, with the camera's place in the rig. Two names that end in the
+/// same number leave it without a meaning.
 std::map<std::string, size_t> cameraIds(const std::vector<std::string>& names) {
-  std::map<std::string, size_t> ids, numbers;
-  for (size_t i = 0; i < names.size(); ++i) {
-    const size_t digits = names[i].find_last_not_of("0123456789") + 1;  // npos + 1 is 0: digits all
-    const size_t significant = std::min(names[i].find_first_not_of('0', digits), names[i].size() - 1);
-    if (digits < names[i].size()) numbers.emplace(names[i].substr(significant), i);
-  }
-  if (numbers.empty())
-    for (size_t i = 0; i < names.size(); ++i) numbers.emplace(std::to_string(i), i);
-  for (size_t i = 0; i < names.size(); ++i) ids.emplace(names[i], i);
-  ids.insert(numbers.begin(), numbers.end());  // a name that is itself another's number stays the name
+  std::map<std::string, std::vector<size_t>> owners;
+  for (size_t i = 0; i < names.size(); ++i)
+    if (const std::string number = trailingNumber(names[i]); !number.empty()) owners[number].push_back(i);
+  if (owners.empty())
+    for (size_t i = 0; i < names.size(); ++i) owners[std::to_string(i)] = {i};
+  std::map<std::string, size_t> ids;
+  for (const auto& [number, places] : owners)
+    if (places.size() == 1) ids[number] = places.front();
+  for (size_t i = 0; i < names.size(); ++i) ids[names[i]] = i;  // a name counts before another's number
   return ids;
 }
 
