@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: MIT
+// Drawing: graphics pipelines that take one struct of arguments, as kernels do, and passes that draw with
+// them.
+//
+//     struct LineArgs { ReadVec3s points; mat4 clip_from_world; … };           // line_io.h, at most 128
+//     bytes GraphicsPipeline<LineArgs> lines(gpu, "lines", {line_vert, line_frag}, {.blend = Blend::kAlpha});
+//     Canvas canvas(gpu, 640, 480);
+//     render(recorder, canvas.pass(vec4(0, 0, 0, 1)), {draw(lines, args, 2 * count)});
+//     copyToBuffer(recorder, canvas.resolved, picture.raw());
+//
+// There is no vertex input and no texture: shaders read all through the arguments' device pointers, by
+// gl_VertexIndex or by pixel, and the recorder derives the barriers from these as it does for kernels.
+#pragma once
+
+#include <optional>
+
+#include "engine/gpu/image.h"
+
+namespace airclay {
+
+enum class Blend {
+  kOpaque,
+  kAlpha,  ///< colour * alpha + what is there * (1 - alpha)
+};
+
+/// What is fixed when a graphics pipeline is made.
+struct GraphicsOptions {
+  VkPrimitiveTopology topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
+  /// Front faces are anticlockwise in the picture, as our meshes are from outside.
+  VkCullModeFlags cull = VK_CULL_MODE_NONE;
+  bool depth_test = true;   ///< nearer or equal passes
+  bool depth_write = true;  ///< only with depth_test
+  Blend blend = Blend::kOpaque;
+  bool has_color = true, has_depth = true;  ///< what the pass draws into; a shadow map has no colour
+  std::uint32_t samples = kSamples;
+  /// Pushes surfaces back: constant (in units of the depth's resolution) and by slope. For shadow maps.
+  float depth_bias = 0, depth_bias_slope = 0;
+  std::vector<std::uint32_t> constants;  ///< specialization constants 0, 1, … of both shaders
+};
+
+/// SPIR-V. A pass without colour needs no fragment shader.
+struct GraphicsShaders {
+  std::span<const std::uint32_t> vertex, fragment;
+};
+
+/// The untyped part of GraphicsPipeline<Args>.
+class RawGraphicsPipeline {
+ public:
+  RawGraphicsPipeline() = default;
+  /// \throw Error when a shader writes through an argument: draws only read.
+  RawGraphicsPipeline(Gpu& gpu, const char* name, const GraphicsShaders& shaders,
+                      const GraphicsOptions& options, std::uint32_t args_bytes);
+  RawGraphicsPipeline(RawGraphicsPipeline&& other) noexcept { swap(other); }
+  RawGraphicsPipeline& operator=(RawGraphicsPipeline&& other) noexcept {
+    swap(other);
+    return *this;
+  }
+  ~RawGraphicsPipeline();
+
+  const std::string& name() const { return name_; }
+  VkPipeline pipeline() const { return pipeline_; }
+  VkPipelineLayout layout() const { return layout_; }
+  /// Of both shaders.
+  const std::vector<PointerArgument>& pointers() const { return pointers_; }
+
+ private:
+  void swap(RawGraphicsPipeline& other) noexcept;
+  void readInterface(std::span<const std::uint32_t> spirv, std::uint32_t args_bytes);
+  void make(const GraphicsShaders& shaders, const GraphicsOptions& options);
+
+  Gpu* gpu_ = nullptr;
+  std::string name_;
+  VkPipelineLayout layout_ = VK_NULL_HANDLE;
+  VkPipeline pipeline_ = VK_NULL_HANDLE;
+  std::vector<PointerArgument> pointers_;
+};
+
+/// `Args` is the struct of an *_io.h that both shaders take as push constants.
+template <class Args>
+class GraphicsPipeline : public RawGraphicsPipeline {
+  static_assert(sizeof(Args) <= 128, "push constants hold 128 bytes on every device");
+
+ public:
+  GraphicsPipeline() = default;
+  GraphicsPipeline(Gpu& gpu, const char* name, const GraphicsShaders& shaders,
+                   const GraphicsOptions& options = {})
+      : RawGraphicsPipeline(gpu, name, shaders, options, sizeof(Args)) {}
+};
+
+/// One draw call with its arguments.
+struct Draw {
+  const RawGraphicsPipeline* pipeline = nullptr;  ///< must live until the pass is recorded
+  std::vector<unsigned char> args;
+  std::uint32_t vertices = 0, instances = 1;
+};
+
+template <class Args>
+Draw draw(const GraphicsPipeline<Args>& pipeline, const Args& args, std::uint32_t vertices,
+          std::uint32_t instances = 1) {
+  const auto* bytes = reinterpret_cast<const unsigned char*>(&args);
+  return {&pipeline, {bytes, bytes + sizeof(Args)}, vertices, instances};
+}
+
+/// What a pass draws into, all of one size. What has no clear value keeps what was drawn before.
+struct RenderPass {
+  Image* color = nullptr;
+  Image* resolve = nullptr;  ///< receives the average of colour's samples
+  Image* depth = nullptr;
+  std::optional<vec4> clear_color;  ///< linear light
+  std::optional<float> clear_depth;
+};
+
+/// Records the draws in order. Barriers that their arguments need come before the whole pass.
+void render(Recorder& recorder, const RenderPass& pass, const std::vector<Draw>& draws);
+
+/// The images of one picture: colour and depth with kSamples samples, and the colour resolved.
+struct Canvas {
+  Image color, depth, resolved;
+
+  Canvas() = default;
+  Canvas(Gpu& gpu, std::uint32_t width, std::uint32_t height);
+  /// A pass that starts from an empty picture.
+  RenderPass pass(const vec4& clear_color) { return {&color, &resolved, &depth, clear_color, 1.0f}; }
+};
+
+}  // namespace airclay
