@@ -422,7 +422,7 @@ TriangleMesh builtInForearm(bool left) {
                       {-40, -1, -1, 30, 19.5, 21},
                       {-14, -1, -1, 29.5, 19, 20}},
                      22, 8);
-  const NetGrid grid{{-240, -56, -54}, {9, 8, 8}, {28, 14, 13}};
+  const NetGrid grid{{-246, -60, -56}, {9, 8, 8}, {29, 15, 14}};
   TriangleMesh mesh = surfaceNet([&](const Vec3& point) { return forearm.distance(point); }, grid);
   scaleToMetres(mesh);
   if (left) mirror(mesh);

@@ -13,7 +13,8 @@ namespace airclay {
 /// Negative inside; its size need be a distance only near the surface.
 using Implicit = std::function<double(const Vec3&)>;
 
-/// The box that is searched and its cells. The surface must lie inside the box.
+/// The box that is searched and its cells. The surface must lie inside the box, a cell or more from its
+/// sides.
 struct NetGrid {
   Vec3 low_corner = Vec3::Zero();
   Vec3 cell = Vec3::Ones();
