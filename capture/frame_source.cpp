@@ -27,14 +27,7 @@ class VideoSource : public FrameSource {
              static_cast<int>(video_.get(cv::CAP_PROP_FRAME_HEIGHT))};
     const double rate = video_.get(cv::CAP_PROP_FPS);
     rate_hz_ = rate > 0 && rate <= 1000 ? rate : kDefaultRateHz;
-    const double declared = video_.get(cv::CAP_PROP_FRAME_COUNT);
-    if (declared >= 1 && declared < 1e9) {
-      frame_count_ = static_cast<int>(std::lround(declared));
-      // An mp4 lists its frames; other containers state a duration at best.
-      is_exact_ = file_.extension() == ".mp4";
-    } else {
-      frame_count_ = countByDecoding();
-    }
+    frame_count_ = countFrames();
     if (frame_count_ < 1) throw Error(file_.string() + ": the video holds no frame that can be decoded");
   }
 
@@ -42,19 +35,18 @@ class VideoSource : public FrameSource {
   int frameCount() const override { return frame_count_; }
   double rateHz() const override { return rate_hz_; }
 
-  bool read(int frame, std::span<std::uint8_t> bgr) override {
+  void read(int frame, std::span<std::uint8_t> bgr) override {
     if (frame < next_) open();
     for (; next_ <= frame; ++next_)
-      if (!video_.grab()) return endsBefore(next_);
+      if (!video_.grab()) failAt(next_, frame_count_);
     cv::Mat target(size_.height, size_.width, CV_8UC3, bgr.data());
     cv::Mat picture = target;  // the decoder writes into it when size and type are as they should be
-    if (!video_.retrieve(picture)) return endsBefore(frame);
+    if (!video_.retrieve(picture)) failAt(frame, frame_count_);
     if (picture.size() != target.size() || picture.type() != target.type())
       throw Error(file_.string() + ": frame " + std::to_string(frame) + " is " +
                   std::to_string(picture.cols) + " x " + std::to_string(picture.rows) +
                   " pixels; one size throughout would be right");
     if (picture.data != target.data) picture.copyTo(target);
-    return true;
   }
 
  private:
@@ -62,23 +54,44 @@ class VideoSource : public FrameSource {
     next_ = 0;
     if (!video_.open(file_.string(), cv::CAP_FFMPEG))
       throw Error(file_.string() +
-                  ": the video cannot be opened (cut off, damaged or of unknown form); a whole mp4, mkv or "
-                  "avi would be "
-                  "right");
+                  ": the video cannot be opened (cut off, damaged or of unknown form); a whole recording "
+                  "would be right");
   }
 
-  int countByDecoding() {
-    int count = 0;
-    while (count < kMaxFrame && video_.grab()) ++count;
+  /// How many frames there are, by the packets in the file: the count that a container declares may be
+  /// reckoned from its duration. Where packets are fewer than that, the recording is either of variable rate
+  /// or cut off.
+  int countFrames() {
+    cv::VideoCapture undecoded(file_.string(), cv::CAP_FFMPEG, {cv::CAP_PROP_FORMAT, -1});
+    int packets = 0;
+    while (packets < kMaxFrame && undecoded.grab()) ++packets;
+    const double declared = video_.get(cv::CAP_PROP_FRAME_COUNT);
+    const bool is_known = declared >= 1 && declared < kMaxFrame;
+    if (is_known && packets < static_cast<int>(std::lround(declared)) - 1)
+      return countByTime(static_cast<int>(std::lround(declared)));
+    return packets;
+  }
+
+  /// Decodes all of it, and sees whether it lasts as long as it declares.
+  int countByTime(int declared) {
+    int count = 0, timed = 0;
+    double last_s = 0;
+    for (; count < kMaxFrame && video_.grab(); ++count) {
+      const double time_s = video_.get(cv::CAP_PROP_POS_MSEC) / 1000;
+      if (time_s > last_s) last_s = time_s, timed = count;
+    }
+    // The last frames lose their times in the decoder's queue: they are taken to come at the mean interval,
+    // as is the end of the last one. Half an interval more is what a variable rate may add.
+    const double declared_s = declared / rate_hz_, interval_s = timed > 0 ? last_s / timed : 0;
+    const double reached_s = last_s + (count - timed + 0.5) * interval_s;
+    if (reached_s < declared_s) failAt(count, declared);
     open();
     return count;
   }
 
-  /// Frame `frame` cannot be had: the end of a reckoned count, or a fault.
-  bool endsBefore(int frame) const {
-    if (!is_exact_ && frame > 0 && frame == frame_count_ - 1) return false;
+  [[noreturn]] void failAt(int frame, int declared) const {
     throw Error(file_.string() + ": decoding fails at frame " + std::to_string(frame) + " of the " +
-                std::to_string(frame_count_) + " that the video declares; a whole recording would be right");
+                std::to_string(declared) + " that the video declares; a whole recording would be right");
   }
 
   std::filesystem::path file_;
@@ -86,7 +99,6 @@ class VideoSource : public FrameSource {
   PictureSize size_;
   double rate_hz_ = kDefaultRateHz;
   int frame_count_ = 0;
-  bool is_exact_ = true;
   int next_ = 0;  // the frame that the decoder gives next
 };
 
@@ -110,9 +122,8 @@ class PictureSource : public FrameSource {
   int frameCount() const override { return static_cast<int>(pictures_.size()); }
   double rateHz() const override { return kDefaultRateHz; }
 
-  bool read(int frame, std::span<std::uint8_t> bgr) override {
+  void read(int frame, std::span<std::uint8_t> bgr) override {
     readPicture(pictures_.at(frame), size_, PixelForm::kBgr8, bgr);
-    return true;
   }
 
  private:

@@ -18,12 +18,11 @@ class FrameSource {
   virtual ~FrameSource() = default;
 
   virtual PictureSize size() const = 0;
-  /// As declared by the file. Where that is reckoned from a duration (mkv, avi) there may be one frame fewer.
   virtual int frameCount() const = 0;
   virtual double rateHz() const = 0;
-  /// Decodes a frame into width * height * 3 bytes. False when the source ends just before it, as a reckoned
-  /// count allows. \throw Error naming the file and the frame when it cannot be decoded.
-  virtual bool read(int frame, std::span<std::uint8_t> bgr) = 0;
+  /// Decodes a frame into width * height * 3 bytes. \pre 0 <= frame < frameCount()
+  /// \throw Error naming the file and the frame when it cannot be decoded.
+  virtual void read(int frame, std::span<std::uint8_t> bgr) = 0;
 };
 
 /// The frames of camera `name` in a take's folder: NAME.mp4, .mkv or .avi, else the pictures in NAME/. None

