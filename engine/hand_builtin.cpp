@@ -193,7 +193,7 @@ Loft fingerLoft(const Ray& ray) {
   const auto between = [&](int bone, double share) {
     return Vec3(joints[bone] + share * (joints[bone + 1] - joints[bone]));
   };
-  const double tip_cap = 9.5;
+  const double tip_cap = 1.08 * d;
   const double tip_share = 1 - tip_cap / (joints[4] - joints[3]).norm();
   return Loft(frame,
               {sectionAt(frame, between(1, 0), 1.06 * p, 0.98 * p, 1.10 * p),
@@ -262,6 +262,19 @@ std::vector<Loft> palmMuscles() {
           Loft(web, {{0, 0, 0, 12, 8, 9}, {10, 0, 0, 13, 6.5, 8}, {20, 1, 0, 9, 4.5, 6}}, 14, 10)};
 }
 
+/// The cushion across the palm below the knuckles.
+Loft cushion() {
+  std::vector<Vec3> places;
+  for (const Ray& ray : kFingers) {
+    const std::vector<Vec3> joints = jointsOf(ray);
+    places.push_back(joints[1] + 0.1 * (joints[2] - joints[1]));
+  }
+  const Pose frame = frameAlong(places.front(), places.back() - places.front(), kBack);
+  std::vector<Section> sections;
+  for (const Vec3& place : places) sections.push_back(sectionAt(frame, place - 4 * kBack, 12, 5, 8));
+  return Loft(frame, sections, 6, 6);
+}
+
 /// The webs between neighbouring fingers: short bodies from one to the next, a third of the first phalanx
 /// out.
 std::vector<Loft> fingerWebs() {
@@ -269,14 +282,14 @@ std::vector<Loft> fingerWebs() {
   for (size_t f = 0; f + 1 < kFingers.size(); ++f) {
     const auto at = [&](const Ray& ray) {
       const std::vector<Vec3> joints = jointsOf(ray);
-      return Vec3(joints[1] + 0.37 * (joints[2] - joints[1]));
+      return Vec3(joints[1] + 0.31 * (joints[2] - joints[1]));
     };
     const Vec3 a = at(kFingers[f]), b = at(kFingers[f + 1]);
     const Pose frame = frameAlong(a, b - a, kBack);
     const double length = (b - a).norm();
-    webs.push_back(Loft(
-        frame, {{0, 0, -1, 5.5, 5.5, 8}, {length / 2, 0, -1.5, 4.5, 5, 7.5}, {length, 0, -1, 5.5, 5.5, 8}}, 4,
-        4));
+    webs.push_back(
+        Loft(frame, {{0, 0, -1, 8, 5.5, 9.5}, {length / 2, 0, -1.5, 7, 5, 9}, {length, 0, -1, 8, 5.5, 9.5}},
+             4, 4));
   }
   return webs;
 }
@@ -290,6 +303,7 @@ class HandShape {
       fingers_.push_back(fingerLoft(ray));
     }
     muscles_ = palmMuscles();
+    muscles_.push_back(cushion());
     webs_ = fingerWebs();
   }
 
@@ -308,7 +322,7 @@ class HandShape {
 
   double distance(const Vec3& point) const {
     double fingers = fingers_[0].distance(point);
-    for (size_t f = 1; f < fingers_.size(); ++f) fingers = std::min(fingers, fingers_[f].distance(point));
+    for (size_t f = 1; f < fingers_.size(); ++f) fingers = smoothMin(fingers, fingers_[f].distance(point), 4);
     const double palm_distance = palm(point);
     const double hand = smoothMin(smoothMin(palm_distance, fingers, 8), thumb_.distance(point), 10);
     return -smoothMin(-hand, point.x() - kCutX, 6);
@@ -381,6 +395,14 @@ SkinWeights weightsAt(const Vec3& point, const HandShape& shape, const std::vect
   return weights;
 }
 
+/// The net's cells along the hand shrink evenly, from 6 mm at the wrist to 4 at the fingertips, which are
+/// rounder.
+Vec3 spread(const Vec3& point_in_net) {
+  constexpr double kBegin = -19, kLength = 215;
+  const double x = point_in_net.x();
+  return {kBegin + x * (1.2 - 0.2 * x / kLength), point_in_net.y(), point_in_net.z()};
+}
+
 void scaleToMetres(TriangleMesh& mesh) {
   for (Vec3& vertex : mesh.vertices) vertex *= kMetresPerMm;
 }
@@ -397,8 +419,9 @@ HandModel builtInHand(bool left) {
   HandModel hand;
   hand.name = left ? "left" : "right";
   hand.joints = skeleton();
-  const NetGrid grid{{-18.5, -76, -54}, {4.7, 4.4, 4.4}, {46, 41, 18}};
-  hand.skin = surfaceNet([&](const Vec3& point) { return shape.distance(point); }, grid);
+  const NetGrid grid{{0, -76, -54}, {5, 4.2, 4.2}, {43, 43, 19}};
+  hand.skin = surfaceNet([&](const Vec3& point) { return shape.distance(spread(point)); }, grid);
+  for (Vec3& vertex : hand.skin.vertices) vertex = spread(vertex);
   for (const Vec3& vertex : hand.skin.vertices) hand.weights.push_back(weightsAt(vertex, shape, hand.joints));
   scaleToMetres(hand.skin);
   if (left) {
@@ -415,13 +438,15 @@ HandModel builtInHand(bool left) {
 }
 
 TriangleMesh builtInForearm(bool left) {
-  const Loft forearm(Pose::Identity(),
-                     {{-210, -3, -4, 45, 38, 40},
-                      {-150, -2, -3, 44, 35, 38},
-                      {-80, -1, -1, 34, 25, 28},
-                      {-40, -1, -1, 30, 19.5, 21},
-                      {-14, -1, -1, 29.5, 19, 20}},
-                     22, 8);
+  const Loft forearm(
+      Pose::Identity(),
+      {{-210, -3, -3, 43, 36, 38},
+       {-150, -2, -3, 43, 34, 37},
+       {-80, -1, -2, 35, 25, 28},
+       {-40, -1, -1, 30.5, 19.5, 21},
+       {-14, -1, -1, 29.5, 19, 20},
+       {-4, -1, -1, 28.7, 18.3, 19.3}},  // inside the hand, so that no groove shows at its edge
+      22, 7);
   const NetGrid grid{{-246, -60, -56}, {9, 8, 8}, {29, 15, 14}};
   TriangleMesh mesh = surfaceNet([&](const Vec3& point) { return forearm.distance(point); }, grid);
   scaleToMetres(mesh);

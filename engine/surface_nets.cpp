@@ -9,7 +9,7 @@
 namespace airclay {
 namespace {
 
-constexpr int kRelaxations = 4;  // more make the triangles no better
+constexpr int kRelaxations = 5;  // more make the triangles hardly better
 
 /// body(i) for i in [0, count), on two threads: this runs at start-up, and two are nearly always there.
 template <typename Body>
