@@ -64,11 +64,6 @@ Eigen::BDCSVD<MatrixXd> singularValues(const MatrixXd& matrix) {
   return svd;
 }
 
-/// A⁺ b of the dense problem: the smallest x among those that fit best.
-Displacements pseudoinverseTimes(const ReducedRows& rows) {
-  return singularValues(rows.triangle).solve(rows.right_side);
-}
-
 /// Eq. (6) in displacements: d_new - d of the moved rows.
 Displacements moveDisplacements(const StencilMatrix& matrix, const std::vector<Vec3>& control_points,
                                 const std::vector<Move>& moves) {
@@ -82,35 +77,37 @@ Displacements moveDisplacements(const StencilMatrix& matrix, const std::vector<V
   return displacements;
 }
 
-/// AᵀA's factor, or none when A is not well conditioned.
-using SparseFactor = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>;
-
-/// min |A x - b| through AᵀA; none where that would lose digits.
+/// A⁺ b as (AᵀA)⁻¹Aᵀ b or, of fewer rows than columns, eq. (7) as printed, Aᵀ(AAᵀ)⁻¹ b; none where either
+/// would lose digits.
 std::optional<Displacements> solveNormalEquations(const StencilMatrix& matrix,
                                                   const Displacements& right_side) {
-  const Eigen::SparseMatrix<double> columns = matrix;
-  const SparseFactor factor(Eigen::SparseMatrix<double>(columns.transpose() * columns));
+  const StencilMatrix transposed = matrix.transpose();
+  const bool wide = matrix.rows() < matrix.cols();
+  const Eigen::SparseMatrix<double> gram = wide ? matrix * transposed : transposed * matrix;
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(gram);
   if (factor.info() != Eigen::Success) return std::nullopt;
   const Eigen::VectorXd pivots = factor.vectorD();
   if (!(pivots.minCoeff() > kWellConditioned * pivots.maxCoeff())) return std::nullopt;
-  Displacements solution = factor.solve(Displacements(columns.transpose() * right_side));
-  const Displacements residual = right_side - columns * solution;  // refined through A itself, not its square
-  const Displacements correction = factor.solve(Displacements(columns.transpose() * residual));
+  const auto solve = [&](const Displacements& b) -> Displacements {
+    if (wide) return transposed * Displacements(factor.solve(b));
+    return factor.solve(Displacements(transposed * b));
+  };
+  const Displacements solution = solve(right_side);
+  const Displacements correction = solve(right_side - matrix * solution);  // through A itself, not its square
   if (!(correction.norm() <= kSmallCorrection * solution.norm())) return std::nullopt;
   return Displacements(solution + correction);
 }
 
-Displacements solveAllRows(const StencilMatrix& matrix, const std::vector<Move>& moves,
-                           const Displacements& move_displacements) {
-  Displacements right_side = Displacements::Zero(matrix.rows(), 3);
-  for (size_t i = 0; i < moves.size(); ++i)
-    right_side.row(moves[i].index) = move_displacements.row(Eigen::Index(i));
+/// A⁺ b, exact Moore-Penrose: the smallest x among those that fit best, singular values cut at
+/// kSingularCutoff.
+Displacements pseudoinverseTimes(const StencilMatrix& matrix, const Displacements& right_side) {
   if (const auto solution = solveNormalEquations(matrix, right_side)) return *solution;
   if (matrix.cols() > AllRowsSolver::kMaxControlPoints)
-    throw Error("the solve over all rows is ill-conditioned and has " + std::to_string(matrix.cols()) +
-                " control points; it can be solved with up to " +
+    throw Error("the moves' solve is ill-conditioned over " + std::to_string(matrix.cols()) +
+                " control points; such a one takes up to " +
                 std::to_string(AllRowsSolver::kMaxControlPoints));
-  return pseudoinverseTimes(reduceRows(matrix, right_side));
+  const ReducedRows reduced = reduceRows(matrix, right_side);
+  return singularValues(reduced.triangle).solve(reduced.right_side);
 }
 
 /// The moved rows of A over the control points that they depend on: the others don't move.
@@ -141,6 +138,11 @@ TouchedRows touchedRows(const StencilMatrix& matrix, const std::vector<Move>& mo
 /// (AᵀA + λ²I)⁻¹Aᵀ b = Aᵀ(AAᵀ + λ²I)⁻¹ b: whichever matrix is smaller.
 Displacements solveDamped(const StencilMatrix& matrix, const Displacements& right_side, double damping) {
   const bool more_rows = matrix.rows() > matrix.cols();
+  if (const Eigen::Index size = std::min(matrix.rows(), matrix.cols());
+      size > AllRowsSolver::kMaxControlPoints)
+    throw Error("the damped solve over " + std::to_string(size) +
+                " control points is too large; it takes up to " +
+                std::to_string(AllRowsSolver::kMaxControlPoints));
   const StencilMatrix transposed = matrix.transpose();
   MatrixXd gram =
       more_rows ? MatrixXd(StencilMatrix(transposed * matrix)) : MatrixXd(StencilMatrix(matrix * transposed));
@@ -170,17 +172,15 @@ std::vector<Vec3> solveControlPoints(const StencilMatrix& matrix, const std::vec
   const Displacements wanted = moveDisplacements(matrix, control_points, moves);
   if (rows == SolveRows::kAll) {
     if (damping > 0) throw Error("the solve over all rows takes no damping; solve the touched rows");
-    const Displacements moved = solveAllRows(matrix, moves, wanted);
+    Displacements all_wanted = Displacements::Zero(matrix.rows(), 3);  // those not moved are to stay
+    for (size_t i = 0; i < moves.size(); ++i) all_wanted.row(moves[i].index) = wanted.row(Eigen::Index(i));
+    const Displacements moved = pseudoinverseTimes(matrix, all_wanted);
     for (size_t i = 0; i < solved.size(); ++i) solved[i] += moved.row(Eigen::Index(i)).transpose();
     return solved;
   }
   const TouchedRows touched = touchedRows(matrix, moves);
-  if (std::min(touched.matrix.rows(), touched.matrix.cols()) > AllRowsSolver::kMaxControlPoints)
-    throw Error("moves touch " + std::to_string(touched.columns.size()) +
-                " control points; the solve over touched rows takes up to " +
-                std::to_string(AllRowsSolver::kMaxControlPoints));
-  const Displacements moved = damping > 0 ? solveDamped(touched.matrix, wanted, damping)
-                                          : pseudoinverseTimes(reduceRows(touched.matrix, wanted));
+  const Displacements moved =
+      damping > 0 ? solveDamped(touched.matrix, wanted, damping) : pseudoinverseTimes(touched.matrix, wanted);
   for (size_t i = 0; i < touched.columns.size(); ++i)
     solved[size_t(touched.columns[i])] += moved.row(Eigen::Index(i)).transpose();
   return solved;

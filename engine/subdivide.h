@@ -20,13 +20,14 @@ using StencilMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 struct Subdivision {
   StencilMatrix matrix;                   ///< A: data points by control points; each row sums to 1
   std::vector<std::array<int, 4>> quads;  ///< the subdivided polyhedron's faces, anticlockwise from outside
-                                          ///< (level 0 with n-gons: see polygons())
 };
 
 /// Subdivides the connectivity of `cage` `levels` times (>= 1). The order of the data points is OpenSubdiv's
 /// for both rules: at each level face points, then edge points, then vertex points. Borders by the standard
 /// rule: edge midpoints; 1/8, 3/4, 1/8; a corner of one face follows the border rule too (OpenSubdiv's
-/// VTX_BOUNDARY_EDGE_ONLY). \throw Error when the result would exceed kMaxDataPoints.
+/// VTX_BOUNDARY_EDGE_ONLY). \throw Error when `cage` is no control cage
+/// (engine/cage.h), `levels` is not 1 to 15, or the result would exceed kMaxDataPoints or about 5 GB of
+/// weights.
 Subdivision subdivide(const PolygonMesh& cage, int levels, SubdivisionRule rule);
 
 /// 20 million: 240 MB of positions; larger is a mistyped level.
@@ -35,8 +36,8 @@ inline constexpr long kMaxDataPoints = 20'000'000;
 /// Eq. (5), d = A p, in double precision: the reference of the kernel `subdivide`.
 std::vector<Vec3> dataPoints(const StencilMatrix& matrix, const std::vector<Vec3>& control_points);
 
-/// Unit normals at the data points: the area-weighted average of the adjoining faces' normals. The reference
-/// of `normals`.
+/// Unit normals at the data points: the area-weighted average of the adjoining faces' normals; zero where
+/// these cancel. The reference of `normals`.
 std::vector<Vec3> dataNormals(const std::vector<std::array<int, 4>>& quads,
                               const std::vector<Vec3>& data_points);
 

@@ -289,11 +289,11 @@ std::vector<Vec3> openSubdivPoints(const PolygonMesh& cage, int levels) {
   Far::TopologyRefiner::UniformOptions uniform(levels);
   uniform.orderVerticesFromFacesFirst = true;
   refiner->RefineUniform(uniform);
-  Far::StencilTableFactory::Options options;
+  Far::StencilTableFactoryReal<float>::Options options;
   options.generateIntermediateLevels = false;
   options.generateOffsets = true;
-  const std::unique_ptr<const Far::StencilTable> stencils(
-      Far::StencilTableFactory::Create(*refiner, options));
+  const std::unique_ptr<const Far::StencilTableReal<float>> stencils(
+      Far::StencilTableFactoryReal<float>::Create(*refiner, options));
 
   const std::unique_ptr<Osd::CpuVertexBuffer> source(
       Osd::CpuVertexBuffer::Create(3, int(cage.points.size())));
