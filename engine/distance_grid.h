@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Signed distance to a triangle mesh, sampled on a regular grid: how contact asks "inside the hand, how deep?".
+// Signed distance to a triangle mesh, sampled on a regular grid: how contact asks "inside the hand, how
+// deep?".
 #pragma once
 
 #include "engine/mesh.h"
@@ -15,9 +16,10 @@ struct DistanceGrid {
   std::vector<float> values;
 };
 
-/// Of the closed solid withCaps(mesh), `margin_m` wide around it. Distances are exact at the samples (nearest point
-/// on the triangles through a bounding volume hierarchy); the sign is that of the generalized winding number
-/// (Jacobson et al. 2013), so small self-intersections of a scanned or blended skin do no harm. Uses all cores.
+/// Of the closed solid withCaps(mesh), `margin_m` wide around it. Distances are exact at the samples (nearest
+/// point on the triangles through a bounding volume hierarchy); the sign is that of the generalized winding
+/// number (Jacobson et al. 2013), so small self-intersections of a scanned or blended skin do no harm. Uses
+/// all cores.
 DistanceGrid signedDistanceGrid(const TriangleMesh& mesh, double cell_m, double margin_m);
 
 /// Trilinear interpolation; outside the grid: the nearest border's value plus the distance to the grid.

@@ -22,12 +22,13 @@ struct TriangleMesh {
 /// Volume, centre of gravity and inertia of the solid inside a closed triangle mesh, at unit density
 /// (Mirtich 1996, "Fast and accurate computation of polyhedral mass properties": here by signed tetrahedra).
 struct MassProperties {
-  double volume_m3 = 0;                 ///< m in eq. (1), at density 1
-  Vec3 centroid = Vec3::Zero();         ///< the volume's, not the vertices' average
-  Mat3 inertia_m5 = Mat3::Zero();       ///< about the centroid; I in eq. (2), at density 1
+  double volume_m3 = 0;            ///< m in eq. (1), at density 1
+  Vec3 centroid = Vec3::Zero();    ///< the volume's, not the vertices' average
+  Mat3 inertia_m5 = Mat3::Zero();  ///< about the centroid; I in eq. (2), at density 1
 };
 
-/// Of the solid bounded by `mesh`. Boundary loops (an open wrist) are closed by a fan about the loop's average.
+/// Of the solid bounded by `mesh`. Boundary loops (an open wrist) are closed by a fan about the loop's
+/// average.
 MassProperties massProperties(const TriangleMesh& mesh);
 
 /// The mesh with every boundary loop closed by a fan of triangles about the loop's average point.
