@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 // The project's own hand: a skeleton by published measures, and round it a smooth implicit skin.
 //
-// Lengths: Buryanov and Kotiuk 2010, "Proportions of Hand Segments", Int. J. Morphol. 28(3):755-758 (means,
-// both sexes). Breadths and depths are round figures between the sexes' means in Greiner 1991, "Hand
-// Anthropometry of U.S. Army Personnel", Natick TR-92/011: hand breadth 86, wrist 60 x 42, at the middle
-// joints 20, at the end joints 17, thumb 22.
+// Lengths: Buryanov and Kotiuk 2010, "Proportions of Hand Segments", Int. J. Morphol. 28(3):755-758,
+// https://doi.org/10.4067/S0717-95022010000300015. Breadths and depths are our own round figures for an
+// adult: wrist 60 x 39, hand breadth about 86, middle joints 20, end joints 17, thumb 22 mm (for tables of
+// such measures see Vergara, Agost and Gracia-Ibanez 2018, "Dorsal and palmar aspect dimensions of hand
+// anthropometry").
 //
 // The skin is a union, smooth by the polynomial minimum (Quilez, "Smooth minimum"), of lofts: bodies with an
 // elliptic section, flatter on the back than on the palm, that changes along an axis. Millimetres in this

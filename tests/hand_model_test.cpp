@@ -111,7 +111,7 @@ TEST_P(BuiltInHand, HasTheStandardsJointsWithinItsSkin) {
   EXPECT_LT(std::abs(place("middle-finger-tip").y()), 0.003);
   EXPECT_GT(side * place("thumb-tip").y(), 0.05);
   EXPECT_GT(side * place("index-finger-tip").y(), side * place("pinky-finger-tip").y());
-  // Buryanov and Kotiuk 2010, table of means, mm; the last with the soft tip.
+  // Buryanov and Kotiuk 2010, mm; the last with the soft tip.
   const std::map<std::string, double> lengths = {{"thumb-phalanx-proximal", 46.22},
                                                  {"thumb-phalanx-distal", 31.57},
                                                  {"thumb-tip", 21.67 + 5.67},
@@ -163,7 +163,7 @@ TEST_P(BuiltInHand, KnowsItsFlatCut) {
                    .x() /
                2;
   }
-  const double ellipse_m2 = std::numbers::pi * 0.030 * 0.021;  // the wrist, 60 x 42 mm
+  const double ellipse_m2 = std::numbers::pi * 0.030 * 0.021;  // about the wrist
   EXPECT_GT(area_m2, 0.75 * ellipse_m2);
   EXPECT_LT(area_m2, 1.1 * ellipse_m2);
 }
