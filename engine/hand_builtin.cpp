@@ -3,7 +3,7 @@
 //
 // Lengths: Buryanov and Kotiuk 2010, "Proportions of Hand Segments", Int. J. Morphol. 28(3):755-758,
 // https://doi.org/10.4067/S0717-95022010000300015. Breadths and depths are our own round figures for an
-// adult: wrist 60 x 39, hand breadth about 86, middle joints 20, end joints 17, thumb 22 mm (for tables of
+// adult: wrist 60 x 39, hand breadth about 90, middle joints 20, end joints 17, thumb 22 mm (for tables of
 // such measures see Vergara, Agost and Gracia-Ibanez 2018, "Dorsal and palmar aspect dimensions of hand
 // anthropometry").
 //
