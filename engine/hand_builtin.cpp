@@ -146,7 +146,7 @@ struct Ray {
   double middle_breadth, end_breadth;  // at the joints
 };
 
-// Bases and angles lay the hand out flat: knuckles in an arch that falls away to the little finger, 86 mm
+// Bases and angles lay the hand out flat: knuckles in an arch that falls away to the little finger, 90 mm
 // across, the middle finger along x, its tip 190 mm from the wrist.
 const std::array<Ray, 4> kFingers = {{
     {{28, 14, -1.5}, {68.12, 39.78, 22.38, 15.82, 3.84}, 9.7, -0.5, 6.5, -3, 2.5, 20, 17},
