@@ -104,6 +104,11 @@ GpuRig::GpuRig(Gpu& gpu, const Rig& rig) : rig_(rig) {
     c.tiles_x = (c.width + c.tile - 1) / c.tile;
     c.tiles_y = (c.height + c.tile - 1) / c.tile;
     c.table_words = table_words_;
+    c.picture_words = picture_words_;
+    c.pixels_before = pixels_;
+    picture_words_ += (3 * c.width * c.height + 3) / 4;
+    pixels_ += c.width * c.height;
+    max_pixels_ = std::max(max_pixels_, c.width * c.height);
     mask_words_ += c.row_words * c.height;
     table_words_ += 2 * (c.tiles_x + 1) * (c.tiles_y + 1);
     max_rows_ = std::max(max_rows_, c.height);

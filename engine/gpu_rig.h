@@ -30,6 +30,18 @@ class GpuRig {
   /// Words of all masks together (see camera_io.h for their layout).
   std::uint32_t maskWords() const { return mask_words_; }
   std::uint32_t tableWords() const { return table_words_; }
+  /// Words of all pictures together: BGR bytes, rows without padding, each camera's picture at a whole word; and one word more, so that
+  /// a kernel may read four pixels from any byte.
+  std::uint32_t pictureWords() const { return picture_words_ + 1; }
+  /// Pixels of all pictures together.
+  std::uint32_t pixels() const { return pixels_; }
+  /// The largest number of pixels of any camera.
+  std::uint32_t maxPixels() const { return max_pixels_; }
+  /// A camera's picture within a buffer of pictureWords().
+  std::span<std::uint8_t> picture(std::span<std::uint32_t> pictures, std::size_t camera) const {
+    const GpuCamera& c = host_cameras_[camera];
+    return {reinterpret_cast<std::uint8_t*>(pictures.data() + c.picture_words), std::size_t(3) * c.width * c.height};
+  }
   /// The largest number of rows, and of words a row, of any camera's mask; of tile rows or columns.
   std::uint32_t maxRows() const { return max_rows_; }
   std::uint32_t maxRowWords() const { return max_row_words_; }
@@ -44,7 +56,7 @@ class GpuRig {
   Rig rig_;
   std::vector<GpuCamera> host_cameras_;
   Buffer<GpuCamera> cameras_;
-  std::uint32_t mask_words_ = 0, table_words_ = 0, max_rows_ = 0, max_row_words_ = 0, max_tile_lines_ = 0;
+  std::uint32_t mask_words_ = 0, table_words_ = 0, max_rows_ = 0, max_row_words_ = 0, max_tile_lines_ = 0, picture_words_ = 0, pixels_ = 0, max_pixels_ = 0;
 };
 
 /// The kernels' form of a camera, all but the memory layout.

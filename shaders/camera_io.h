@@ -32,6 +32,8 @@ struct GpuCamera {
   uint tiles_x;
   uint tiles_y;
   uint table_words;   // uints before this camera's tables
+  uint picture_words;  // words before this camera's picture
+  uint pixels_before;  // pixels of the cameras before it
 };
 
 READ_POINTER(ReadCameras, GpuCamera)

@@ -3,12 +3,12 @@ find_package(Threads REQUIRED)
 find_package(Vulkan REQUIRED)
 find_program(GLSLANG_VALIDATOR glslangValidator REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
-find_package(OpenSubdiv REQUIRED)
 find_package(tinyobjloader REQUIRED)
 find_package(nlohmann_json 3.11 REQUIRED)
 find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc imgcodecs videoio calib3d)
 find_package(CLI11 REQUIRED)
 find_package(GTest REQUIRED)
 
-# tinygltf's exported target has no include folder of its own worth a find_package: one header, one library.
+# Debian's CMake files for these two name static libraries that it does not ship.
+find_library(OPENSUBDIV_LIBRARY osdCPU REQUIRED)
 find_library(TINYGLTF_LIBRARY tinygltf REQUIRED)

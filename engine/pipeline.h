@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+// The way of the data, as every command and the window call it:
+//
+//     pictures -> silhouettes -> voxel model -> hand pose -> contact -> control points -> surface
+//
+// A tracked frame is one submission to the device.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "engine/carve.h"
+#include "engine/fit.h"
+#include "engine/hand_model.h"
+#include "engine/silhouette.h"
+#include "engine/solve.h"
+#include "engine/subdivide.h"
+
+namespace airclay {
+
+class Clay;
+class HandFitter;
+
+struct PipelineOptions {
+  int voxels = 128;  ///< along the workspace's edge
+};
+
+/// The clay to sculpt and how it follows.
+struct ClayOptions {
+  PolygonMesh cage;  ///< metres, world
+  SubdivisionRule rule = SubdivisionRule::kCatmullClark;
+  int levels = 2;
+  SolveRows solve = SolveRows::kAll;
+};
+
+enum class HandState {
+  kEmpty,    ///< nobody there: too little in the picture to be a hand
+  kTracked,
+  kLost,     ///< something is there, but no pose explains it
+};
+
+/// What became of the clay in a frame.
+struct ClayStep {
+  int touched = 0;            ///< data points that the hand has reached
+  int repeats = 0;            ///< of contact and solve
+  double penetration_m = 0;   ///< what is left of it
+};
+
+struct FrameResult {
+  HandState hand = HandState::kEmpty;
+  HandFit fit;                ///< meaningful unless kEmpty
+  ClayStep clay;
+  double frame_ms = 0;        ///< wall time from pixels in memory to the result
+  std::vector<std::pair<std::string, double>> stage_ms;  ///< on the device, disjoint, by name
+};
+
+class Pipeline {
+ public:
+  /// Without `clay` only the hand is tracked. \throw Error as its parts do.
+  Pipeline(Gpu& gpu, const Rig& rig, const HandModel& hand, const PipelineOptions& options = {},
+           const std::optional<ClayOptions>& clay = std::nullopt);
+  ~Pipeline();
+
+  /// Where camera `camera`'s next picture goes: tightly packed BGR, 3 bytes a pixel, in memory that the kernels read.
+  std::span<std::uint8_t> picture(std::size_t camera);
+  /// The pictures now in memory show the empty workspace.
+  void learnBackground();
+  /// The pictures now in memory, through all stages. `held` is the clutch: false leaves the clay alone. \pre learnBackground() was called
+  FrameResult processPictures(bool held = true);
+  /// The same from masks that are used as they are, one a camera.
+  FrameResult processMasks(const std::vector<Mask>& masks, bool held = true);
+  /// Silhouettes and voxel model alone, of the pictures in memory or of masks.
+  void hullFromPictures();
+  void hullFromMasks(const std::vector<Mask>& masks);
+
+  /// Forgets the hand: the next frame searches again.
+  void forgetHand();
+
+  const Rig& rig() const;
+  const HandModel& hand() const;
+  const Silhouettes& silhouettes() const;
+  const GpuRig& gpuRig() const;
+  const Carver& carver() const;
+  /// \pre made with clay
+  Clay& clay();
+  const Clay& clay() const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace airclay

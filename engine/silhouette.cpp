@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: MIT
+#include "engine/silhouette.h"
+
+#include <algorithm>
+
+#include "engine/error.h"
+#include "shaders/background_add.comp.h"
+#include "shaders/background_finish.comp.h"
+#include "shaders/majority.comp.h"
+#include "shaders/runs_find.comp.h"
+#include "shaders/runs_join.comp.h"
+#include "shaders/runs_largest.comp.h"
+#include "shaders/runs_measure.comp.h"
+#include "shaders/runs_write.comp.h"
+#include "shaders/segment.comp.h"
+
+namespace airclay {
+
+std::uint32_t largestHole(int picture_width) {
+  return std::max<std::uint32_t>(4, static_cast<std::uint32_t>(100LL * picture_width * picture_width / (640 * 640)));
+}
+
+Silhouettes::Silhouettes(Gpu& gpu, const GpuRig& rig)
+    : gpu_(gpu),
+      rig_(rig),
+      add_(gpu, "background_add", background_add_comp, {kSilhouetteWorkgroup}),
+      finish_(gpu, "background_finish", background_finish_comp, {kSilhouetteWorkgroup}),
+      segment_(gpu, "segment", segment_comp, {kSilhouetteWorkgroup}),
+      majority_(gpu, "majority", majority_comp, {kSilhouetteWorkgroup}),
+      find_(gpu, "runs_find", runs_find_comp, {kSilhouetteWorkgroup}),
+      join_(gpu, "runs_join", runs_join_comp, {kSilhouetteWorkgroup}),
+      measure_(gpu, "runs_measure", runs_measure_comp, {kSilhouetteWorkgroup}),
+      largest_kernel_(gpu, "runs_largest", runs_largest_comp, {kSilhouetteWorkgroup}),
+      write_(gpu, "runs_write", runs_write_comp, {kSilhouetteWorkgroup}),
+      segmented_(gpu, rig.maskWords()),
+      majority_mask_(gpu, rig.maskWords()),
+      largest_mask_(gpu, rig.maskWords()),
+      masks_(gpu, rig.maskWords(), Memory::kHost),
+      largest_(gpu, rig.cameraCount()) {
+  const std::size_t rows = std::size_t(rig.cameraCount()) * rig.maxRows();
+  run_counts_ = Buffer<std::uint32_t>(gpu, rows);
+  runs_ = Buffer<std::uint32_t>(gpu, rows * kMaxRuns);
+  labels_ = Buffer<std::uint32_t>(gpu, rows * kMaxRuns);
+  areas_ = Buffer<std::uint32_t>(gpu, rows * kMaxRuns);
+}
+
+void Silhouettes::recordLearning(Recorder& recorder, const Buffer<std::uint32_t>& pictures) {
+  if (learned_frames_ == kMaxLearnFrames)
+    throw Error("the background is learned from at most " + std::to_string(kMaxLearnFrames) + " frames");
+  if (learned_frames_ == 0) {
+    sums_ = Buffer<std::uint32_t>(gpu_, std::size_t(kLearnSums) * rig_.pixels());
+    model_ = Buffer<std::uint32_t>(gpu_, rig_.pixels());
+    recorder.fill(sums_.raw(), 0);
+  }
+  ++learned_frames_;
+  BackgroundArgs args{};
+  args.cameras = rig_.cameras();
+  args.pictures = pictures;
+  args.sums = sums_;
+  recorder.dispatch(add_, args, groupsFor(rig_.maxPixels(), kSilhouetteWorkgroup), rig_.cameraCount());
+}
+
+void Silhouettes::finishLearning(Recorder& recorder) {
+  if (learned_frames_ == 0) throw Error("the background cannot be learned without a frame of the empty workspace");
+  BackgroundArgs args{};
+  args.cameras = rig_.cameras();
+  args.sums = sums_;
+  args.model = model_;
+  args.frames = learned_frames_;
+  recorder.dispatch(finish_, args, groupsFor(rig_.maxPixels(), kSilhouetteWorkgroup), rig_.cameraCount());
+  learned_ = true;
+}
+
+RunArgs Silhouettes::runArgs(bool holes) const {
+  RunArgs args{};
+  args.cameras = rig_.cameras();
+  args.masks = holes ? largest_mask_ : majority_mask_;
+  args.run_counts = run_counts_;
+  args.runs = runs_;
+  args.labels = labels_;
+  args.areas = areas_;
+  args.largest = largest_;
+  args.result = holes ? masks_ : largest_mask_;
+  args.max_rows = rig_.maxRows();
+  args.holes = holes;
+  args.largest_hole = largestHole(rig_.rig().cameras.front().width);
+  return args;
+}
+
+void Silhouettes::record(Recorder& recorder, const Buffer<std::uint32_t>& pictures) {
+  const std::uint32_t cameras = rig_.cameraCount();
+  const std::uint32_t word_groups = groupsFor(rig_.maxRowWords() * rig_.maxRows(), kSilhouetteWorkgroup);
+  const std::uint32_t row_groups = groupsFor(rig_.maxRows(), kSilhouetteWorkgroup);
+
+  SegmentArgs segment{};
+  segment.cameras = rig_.cameras();
+  segment.pictures = pictures;
+  segment.model = model_;
+  segment.masks = segmented_;
+  recorder.dispatch(segment_, segment, word_groups, cameras);
+
+  MajorityArgs majority{};
+  majority.cameras = rig_.cameras();
+  majority.masks = segmented_;
+  majority.cleaned = majority_mask_;
+  recorder.dispatch(majority_, majority, word_groups, cameras);
+
+  for (const bool holes : {false, true}) {
+    const RunArgs args = runArgs(holes);
+    recorder.dispatch(find_, args, row_groups, cameras);
+    recorder.dispatch(join_, args, row_groups, cameras);
+    recorder.dispatch(measure_, args, row_groups, cameras);
+    if (!holes) recorder.dispatch(largest_kernel_, args, 1, cameras);
+    recorder.dispatch(write_, args, row_groups, cameras);
+  }
+}
+
+}  // namespace airclay

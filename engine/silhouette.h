@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+// Silhouettes: which pixels show the hand.
+//
+// A background model a pixel (mean and spread, learned from the empty workspace), compared tolerantly of shadow and of small changes
+// of brightness; the 3 x 3 majority against speckle; the largest connected part; small holes closed. Masks stay in the raw,
+// distorted picture: carving projects through the lens model, so nothing is resampled and no part of the field is lost.
+#pragma once
+
+#include "engine/gpu/kernel.h"
+#include "engine/gpu/recorder.h"
+#include "engine/gpu_rig.h"
+#include "shaders/silhouette_io.h"
+
+namespace airclay {
+
+class Silhouettes {
+ public:
+  Silhouettes(Gpu& gpu, const GpuRig& rig);
+
+  /// Records the learning of one frame of the empty workspace, at most kMaxLearnFrames; then finishLearning() makes the model.
+  /// `pictures`: GpuRig's layout.
+  void recordLearning(Recorder& recorder, const Buffer<std::uint32_t>& pictures);
+  void finishLearning(Recorder& recorder);
+  bool learned() const { return learned_; }
+
+  /// Records segmentation and cleaning of a frame. \pre learned()
+  void record(Recorder& recorder, const Buffer<std::uint32_t>& pictures);
+
+  /// One bit a pixel, GpuRig's layout. Also written by the host for masks that a take brings along.
+  Buffer<std::uint32_t>& masks() { return masks_; }
+  const Buffer<std::uint32_t>& masks() const { return masks_; }
+  /// The steps on the way, for comparison with the reference.
+  const Buffer<std::uint32_t>& segmented() const { return segmented_; }
+  const Buffer<std::uint32_t>& majorityMask() const { return majority_mask_; }
+  const Buffer<std::uint32_t>& largestMask() const { return largest_mask_; }
+
+ private:
+  RunArgs runArgs(bool holes) const;
+
+  Gpu& gpu_;
+  const GpuRig& rig_;
+  Kernel<BackgroundArgs> add_, finish_;
+  Kernel<SegmentArgs> segment_;
+  Kernel<MajorityArgs> majority_;
+  Kernel<RunArgs> find_, join_, measure_, largest_kernel_, write_;
+  Buffer<std::uint32_t> sums_, model_;
+  Buffer<std::uint32_t> segmented_, majority_mask_, largest_mask_, masks_;
+  Buffer<std::uint32_t> run_counts_, runs_, labels_, areas_, largest_;
+  std::uint32_t learned_frames_ = 0;
+  bool learned_ = false;
+};
+
+/// Holes of up to this many pixels are closed: 100 in a picture 640 wide, about 15 x 15 mm at a metre; the ring of thumb and
+/// forefinger is larger.
+std::uint32_t largestHole(int picture_width);
+
+// --- the reference, in double precision, step by step ---
+
+/// A pixel's background: mean B, G, R and their common spread in grey levels.
+struct BackgroundPixel {
+  Vec3 mean = Vec3::Zero();
+  double spread = 0;
+};
+
+/// From frames of tightly packed BGR bytes of one camera.
+std::vector<BackgroundPixel> learnBackgroundReference(const std::vector<std::vector<std::uint8_t>>& frames);
+
+/// How clearly a pixel is object (positive) or background (negative): the largest of the three tests' margins, each in its own unit.
+double segmentMargin(const Vec3& seen, const BackgroundPixel& background);
+
+Mask majorityReference(const Mask& mask);
+Mask largestPartReference(const Mask& mask);
+Mask closeHolesReference(const Mask& mask, std::uint32_t largest_hole);
+
+}  // namespace airclay

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+// From pixels to silhouettes: the background model, the segmentation, and what cleans it.
+#ifndef AIRCLAY_SILHOUETTE_IO_H
+#define AIRCLAY_SILHOUETTE_IO_H
+
+#include "shaders/camera_io.h"
+
+AIRCLAY_IO_BEGIN
+
+const uint kSilhouetteWorkgroup = 64;
+
+// A pixel of the background model is one word: mean B, G, R in the low three bytes; the spread, in eighths of a grey level, in the
+// high one. Sums while learning: three sums, three sums of squares a pixel.
+const float kSpreadStep = 0.125f;
+const uint kLearnSums = 6;
+const uint kMaxLearnFrames = 256;  // 256 · 255² still fits 32 bits
+
+// 2.5 grey levels: what compression and noise leave in any picture; a mean over ten frames can look steadier by luck.
+const float kMinSpread = 2.5f;
+
+// A shadow keeps the colour and takes at most this share of the brightness; a small change of light adds at most that.
+const float kDarkest = 0.5f;
+const float kBrightest = 1.2f;
+// Colour that differs by more than this many spreads is not the background's; 4.5: one pixel in 25,000 of Gaussian noise.
+const float kColourSpreads = 4.5f;
+
+// background_add: a frame into the sums. background_finish: the sums into the model.
+struct BackgroundArgs {
+  ReadCameras cameras;
+  ReadUints pictures;
+  ReadWriteUints sums;
+  WriteUints model;
+  uint frames;  // so far
+};
+
+// segment: one invocation a mask word. `pictures` are BGR bytes, rows without padding, each camera's at a whole word.
+struct SegmentArgs {
+  ReadCameras cameras;
+  ReadUints pictures;
+  ReadUints model;
+  WriteUints masks;
+};
+
+// majority: a pixel becomes what at least five of its 3 x 3 neighbourhood are.
+struct MajorityArgs {
+  ReadCameras cameras;
+  ReadUints masks;
+  WriteUints cleaned;
+};
+
+// Connected parts by runs of pixels. A row has at most kMaxRuns of them; run i of row y of a camera is entry
+// (y · kMaxRuns + i) behind the camera's first, its label the index of the entry that it hangs on (its own at a root).
+const uint kMaxRuns = 256;      // a row of noise has more: what comes behind is dropped as speckle
+const uint kBorderArea = 0x80000000u;  // flag in a root's area: the part touches the picture's border
+
+struct RunArgs {
+  ReadCameras cameras;
+  ReadUints masks;
+  ReadWriteUints run_counts;  // one a row
+  ReadWriteUints runs;        // first | last << 16
+  ReadWriteUints labels;
+  ReadWriteUints areas;       // at roots
+  ReadWriteUints largest;     // one a camera: the label of its largest part
+  WriteUints result;
+  uint max_rows;
+  uint holes;       // 1: the parts are of the background, four-connected; else of the object, eight-connected
+  uint largest_hole;  // pixels: smaller ones are closed
+};
+
+AIRCLAY_IO_END
+
+#endif

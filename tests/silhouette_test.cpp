@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: MIT
+#include "engine/silhouette.h"
+
+#include <opencv2/imgproc.hpp>
+#include <random>
+
+#include "tests/gpu_fixture.h"
+#include "tests/scene.h"
+
+namespace airclay {
+namespace {
+
+/// A mottled backdrop with Gaussian noise; a disc of skin colour, a shadow, speckle and pinholes, as asked.
+struct Studio {
+  explicit Studio(int picture_width, int picture_height) : rig(ringRig(2, picture_width, picture_height)) {}
+
+  std::vector<std::uint8_t> picture(int camera, bool hand, double brightness = 1) {
+    const int width = rig.cameras[0].width, height = rig.cameras[0].height;
+    std::vector<std::uint8_t> bgr(std::size_t(width) * height * 3);
+    std::normal_distribution<double> noise(0, 2);
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) {
+        Vec3 color = Vec3(120, 105, 85) * (1 + 0.2 * std::sin(0.05 * x + camera) * std::cos(0.07 * y));
+        const double u = x - 0.45 * width, v = y - 0.5 * height;
+        if (hand && std::hypot(u - 40, v - 10) < 30) color *= 0.65;  // its shadow
+        if (hand && std::hypot(u, v) < 30) color = Vec3(110, 140, 205) * (1 - 0.004 * u);
+        if (hand && std::hypot(u + 5, v - 6) < 3) color = Vec3(120, 105, 85);  // a hole
+        if (hand && std::hypot(u - 70, v + 40) < 4) color = Vec3(40, 60, 200);  // something small
+        for (int c = 0; c < 3; ++c)
+          bgr[std::size_t(3 * (y * width + x) + c)] =
+              static_cast<std::uint8_t>(std::clamp(std::round(brightness * color[c] + noise(random)), 0.0, 255.0));
+      }
+    return bgr;
+  }
+
+  Rig rig;
+  std::mt19937 random{7};
+};
+
+struct Segmented {
+  std::vector<Mask> raw, majority, largest, cleaned;
+  std::vector<std::vector<BackgroundPixel>> background;
+  std::vector<std::vector<std::uint8_t>> pictures;
+};
+
+Segmented segment(Studio& studio, bool hand, double brightness = 1) {
+  Gpu& gpu = testGpu();
+  const GpuRig rig(gpu, studio.rig);
+  Silhouettes silhouettes(gpu, rig);
+  Buffer<std::uint32_t> pictures(gpu, rig.pictureWords(), Memory::kHost);
+  Recorder recorder(gpu);
+  std::vector<std::vector<std::vector<std::uint8_t>>> empty(rig.cameraCount());
+  const auto show = [&](std::size_t camera, const std::vector<std::uint8_t>& bgr) {
+    std::copy(bgr.begin(), bgr.end(), rig.picture(pictures.host(), camera).begin());
+  };
+  for (int frame = 0; frame < 8; ++frame) {
+    for (std::size_t c = 0; c < rig.cameraCount(); ++c) {
+      empty[c].push_back(studio.picture(static_cast<int>(c), false));
+      show(c, empty[c].back());
+    }
+    recorder.begin();
+    silhouettes.recordLearning(recorder, pictures);
+    if (frame == 7) silhouettes.finishLearning(recorder);
+    recorder.submitAndWait();
+    EXPECT_TRUE(hazards(recorder.commands()).empty());
+  }
+  Segmented result;
+  for (std::size_t c = 0; c < rig.cameraCount(); ++c) {
+    result.background.push_back(learnBackgroundReference(empty[c]));
+    result.pictures.push_back(studio.picture(static_cast<int>(c), hand, brightness));
+    show(c, result.pictures.back());
+  }
+  recorder.begin();
+  silhouettes.record(recorder, pictures);
+  recorder.submitAndWait();
+  EXPECT_TRUE(hazards(recorder.commands()).empty());
+  result.raw = rig.unpack(silhouettes.segmented().download());
+  result.majority = rig.unpack(silhouettes.majorityMask().download());
+  result.largest = rig.unpack(silhouettes.largestMask().download());
+  result.cleaned = rig.unpack(silhouettes.masks().host());
+  return result;
+}
+
+long pixelsSet(const Mask& mask) { return std::count(mask.pixels.begin(), mask.pixels.end(), 255); }
+
+TEST(Silhouette, SegmentationEqualsTheReferenceAwayFromItsThresholds) {
+  // 203 pixels: rows do not start at whole words
+  for (const int width : {320, 203}) {
+    Studio studio(width, 240);
+    const Segmented result = segment(studio, true);
+    for (std::size_t c = 0; c < result.raw.size(); ++c) {
+      std::size_t different = 0, exempt = 0;
+      for (std::size_t i = 0; i < result.raw[c].pixels.size(); ++i) {
+        const Vec3 seen(result.pictures[c][3 * i], result.pictures[c][3 * i + 1], result.pictures[c][3 * i + 2]);
+        // the model is stored in whole grey levels and eighths of spread: a rounding of half a step moves each test by so much
+        const BackgroundPixel& background = result.background[c][i];
+        BackgroundPixel stored;
+        for (int k = 0; k < 3; ++k) stored.mean[k] = std::floor(background.mean[k] + 0.5);
+        stored.spread = std::floor(background.spread / kSpreadStep + 0.5) * kSpreadStep;
+        const double margin = segmentMargin(seen, stored);
+        const bool close = std::abs(margin) < 1e-4;
+        exempt += close;
+        different += !close && (margin > 0) != (result.raw[c].pixels[i] != 0);
+      }
+      EXPECT_EQ(different, 0u);
+      EXPECT_LT(exempt, 20u);
+    }
+  }
+}
+
+TEST(Silhouette, CleaningEqualsTheReferenceExactly) {
+  for (const int width : {320, 203}) {
+    Studio studio(width, 240);
+    const Segmented result = segment(studio, true);
+    for (std::size_t c = 0; c < result.raw.size(); ++c) {
+      EXPECT_EQ(result.majority[c].pixels, majorityReference(result.raw[c]).pixels);
+      EXPECT_EQ(result.largest[c].pixels, largestPartReference(result.majority[c]).pixels);
+      EXPECT_EQ(result.cleaned[c].pixels, closeHolesReference(result.largest[c], largestHole(width)).pixels);
+    }
+  }
+}
+
+TEST(Silhouette, LargestPartEqualsOpenCv) {
+  Studio studio(320, 240);
+  const Segmented result = segment(studio, true);
+  for (std::size_t c = 0; c < result.majority.size(); ++c) {
+    Mask majority = result.majority[c];
+    cv::Mat labels, stats, centers;
+    cv::connectedComponentsWithStats(cv::Mat(majority.height, majority.width, CV_8U, majority.pixels.data()), labels, stats,
+                                     centers, 8);
+    int largest = 1;
+    for (int i = 1; i < stats.rows; ++i)
+      if (stats.at<int>(i, cv::CC_STAT_AREA) > stats.at<int>(largest, cv::CC_STAT_AREA)) largest = i;
+    for (int i = 0; i < majority.height * majority.width; ++i)
+      ASSERT_EQ(result.largest[c].pixels[std::size_t(i)] != 0, labels.at<int>(i / majority.width, i % majority.width) == largest);
+  }
+}
+
+TEST(Silhouette, TheDiscIsFoundWithoutItsShadowWholeAndAlone) {
+  for (const double brightness : {1.0, 0.92, 1.08}) {
+    Studio studio(320, 240);
+    const Segmented result = segment(studio, true, brightness);
+    for (const Mask& mask : result.cleaned) {
+      long wrong = 0;
+      for (int y = 0; y < mask.height; ++y)
+        for (int x = 0; x < mask.width; ++x) {
+          const double distance = std::hypot(x - 0.45 * mask.width, y - 0.5 * mask.height);
+          if (std::abs(distance - 30) < 1) continue;  // its edge
+          wrong += (distance < 30) != (mask.pixels[std::size_t(y * mask.width + x)] != 0);
+        }
+      EXPECT_EQ(wrong, 0);
+    }
+  }
+}
+
+TEST(Silhouette, AnEmptyPictureHasNoSilhouetteWorthTheName) {
+  Studio studio(320, 240);
+  for (const Mask& mask : segment(studio, false).cleaned) EXPECT_LT(pixelsSet(mask), 10);
+}
+
+}  // namespace
+}  // namespace airclay
