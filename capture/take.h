@@ -4,10 +4,8 @@
 #pragma once
 
 #include <memory>
-#include <span>
 
-#include "capture/poses_file.h"
-#include "engine/rig.h"
+#include "capture/recording.h"
 
 namespace airclay {
 
@@ -22,43 +20,40 @@ struct TakeOptions {
 ///     for (int frame = 0; take.readPictures(frame, buffers); ++frame) { … }
 ///
 /// Every fault, now or while reading, is an Error that names the file and, where it helps, the frame.
-class Take {
+class Take : public Recording {
  public:
-  /// Buffers that a frame is written into, tightly packed, rows from the top.
-  using Buffers = std::span<const std::span<std::uint8_t>>;
-
   /// \throw Error: no such folder, no rig, a camera without its video or pictures, another size than the rig
   /// says, no frame at all, timestamps or truth that cannot be read.
   explicit Take(const std::filesystem::path& folder, const TakeOptions& options = {});
-  ~Take();
+  ~Take() override;
   Take(Take&&) noexcept;
   Take& operator=(Take&&) noexcept;
 
-  const Rig& rig() const;
+  const Rig& rig() const override;
   /// Frames that every camera has.
-  int frameCount() const;
+  int frameCount() const override;
   /// Frames a second, on average.
-  double rateHz() const;
+  double rateHz() const override;
   /// When frame `frame` was taken, in seconds: the mean of its cameras' times. \pre 0 <= frame < frameCount()
-  double timeOf(int frame) const;
+  double timeOf(int frame) const override;
 
-  bool hasPictures() const;     ///< videos or picture folders; else there are masks alone
-  bool hasSilhouettes() const;  ///< masks to be used as they are, instead of segmentation
-  bool hasBackground() const;   ///< pictures of the empty workspace
+  bool hasPictures() const override;     ///< videos or picture folders; else there are masks alone
+  bool hasSilhouettes() const override;  ///< masks to be used as they are, instead of segmentation
+  bool hasBackground() const override;   ///< pictures of the empty workspace
   /// How many first frames show the empty workspace: 0 where background pictures or masks make them needless.
-  int backgroundFrames() const;
+  int backgroundFrames() const override;
 
   /// Decodes a frame of every camera, BGR, 3 bytes a pixel. False past the last frame. In order this costs
   /// one decoded picture a camera; any other order decodes a video up to the frame. \pre hasPictures()
-  bool readPictures(int frame, Buffers bgr);
+  bool readPictures(int frame, Buffers bgr) override;
   /// A frame's masks, 1 byte a pixel: 255 the object, 0 not. A missing file is an empty mask. \pre
   /// hasSilhouettes()
-  bool readSilhouettes(int frame, Buffers masks);
+  bool readSilhouettes(int frame, Buffers masks) override;
   /// The empty workspace, BGR. \pre hasBackground()
-  void readBackground(Buffers bgr) const;
+  void readBackground(Buffers bgr) const override;
 
   /// True poses, where the take has truth.tum.
-  const std::optional<std::vector<TimedPose>>& truth() const;
+  const std::optional<std::vector<TimedPose>>& truth() const override;
   /// What is unusual but no fault, in one line to be shown: videos of unequal length.
   const std::optional<std::string>& note() const;
 

@@ -229,6 +229,13 @@ void Sensor::record(Recorder& recorder, const std::optional<Pose>& world_from_ha
                     groupsFor(groupsFor(rig_.maxPixels(), 4), kSensorWorkgroup), rig_.cameraCount());
 }
 
+std::span<const std::uint8_t> Sensor::picture(std::size_t camera) const {
+  const GpuCamera& gpu_camera = rig_.camera(camera);
+  const auto* words = pictures_.host().data() + gpu_camera.picture_words;
+  return {reinterpret_cast<const std::uint8_t*>(words),
+          std::size_t(3) * gpu_camera.width * gpu_camera.height};
+}
+
 std::vector<double> Sensor::coverage(std::size_t camera) const {
   const GpuCamera& gpu_camera = rig_.camera(camera);
   const std::vector<std::uint32_t> rgba = hand_.download();

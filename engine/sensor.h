@@ -31,6 +31,8 @@ class Sensor {
 
   /// The pictures, BGR, in GpuRig's layout, in memory that the host sees.
   const Buffer<std::uint32_t>& pictures() const { return pictures_; }
+  /// One camera's, BGR, 3 bytes a pixel, rows from the top. \pre the recorded work is done
+  std::span<const std::uint8_t> picture(std::size_t camera) const;
   /// How much of each pixel the hand covers, 0 to 1, row by row. \pre the recorded work is done, with a pose
   std::vector<double> coverage(std::size_t camera) const;
 
