@@ -4,7 +4,10 @@
 
 #include <Eigen/SparseCore>
 
+#include "engine/gpu/kernel.h"
+#include "engine/gpu/recorder.h"
 #include "engine/mesh.h"
+#include "shaders/subdivide_io.h"
 
 namespace airclay {
 
@@ -32,6 +35,34 @@ Subdivision subdivide(const PolygonMesh& cage, int levels, SubdivisionRule rule)
 
 /// 20 million: 240 MB of positions; larger is a mistyped level.
 inline constexpr long kMaxDataPoints = 20'000'000;
+
+/// Evaluates the surface on the GPU: data points and their normals. Everything stays there.
+class SurfaceEvaluator {
+ public:
+  SurfaceEvaluator(Gpu& gpu, const Subdivision& subdivision);
+
+  /// Records d = A p and the normals of `control_points`, one a column of A; metres, any frame.
+  void record(Recorder& recorder, const Buffer<vec3>& control_points);
+  /// The halves of record().
+  void recordPoints(Recorder& recorder, const Buffer<vec3>& control_points);
+  void recordNormals(Recorder& recorder);
+
+  const Buffer<vec3>& dataPoints() const { return data_points_; }
+  /// Unit length; zero where the adjoining faces' normals cancel.
+  const Buffer<vec3>& normals() const { return normals_; }
+  /// Two a quad, three data points each, anticlockwise from outside.
+  const Buffer<std::uint32_t>& triangles() const { return triangles_; }
+  std::uint32_t triangleCount() const { return static_cast<std::uint32_t>(triangles_.count() / 3); }
+  std::uint32_t dataPointCount() const { return static_cast<std::uint32_t>(data_points_.count()); }
+
+ private:
+  Kernel<SubdivideArgs> subdivide_;
+  Kernel<NormalsArgs> normals_kernel_;
+  Buffer<std::uint32_t> row_starts_, columns_;
+  Buffer<float> weights_;
+  Buffer<std::uint32_t> quad_starts_, quads_at_, quads_, triangles_;
+  Buffer<vec3> data_points_, normals_;
+};
 
 /// Eq. (5), d = A p, in double precision: the reference of the kernel `subdivide`.
 std::vector<Vec3> dataPoints(const StencilMatrix& matrix, const std::vector<Vec3>& control_points);

@@ -120,4 +120,15 @@ inline std::uint32_t groupsFor(std::size_t count, std::uint32_t size) {
   return static_cast<std::uint32_t>((count + size - 1) / size);
 }
 
+/// The same workgroups in rows of at most 32,768, for counts past the 65,535 that every device takes in x
+/// (shaders/invocation.glsl finds the invocation's index).
+struct GroupRows {
+  std::uint32_t x = 1, y = 1;
+};
+inline GroupRows groupRowsFor(std::size_t count, std::uint32_t size) {
+  const std::uint32_t groups = groupsFor(count, size);
+  const std::uint32_t rows = groupsFor(groups, 32'768);
+  return rows <= 1 ? GroupRows{groups, 1} : GroupRows{groupsFor(groups, rows), rows};
+}
+
 }  // namespace airclay
