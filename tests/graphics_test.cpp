@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "engine/gpu/graphics.h"
 
+#include <algorithm>
+
 #include "engine/error.h"
 #include "shaders/carve_total.comp.h"
 #include "shaders/triangles.frag.h"
@@ -154,6 +156,63 @@ TEST(Graphics, ADepthPassWithoutColourGivesDepths) {
   recorder.submitAndWait();
   EXPECT_EQ(depths.host()[5 * kWidth + 5], 0.25f);
   EXPECT_EQ(depths.host()[5 * kWidth + 60], 1.0f);
+}
+
+TEST(Graphics, ADepthOnlyDrawHidesWithoutColour) {
+  Gpu& gpu = testGpu();
+  GraphicsOptions options;
+  options.blend = Blend::kDepthOnly;
+  const GraphicsPipeline<TrianglesArgs> hides(gpu, "hides", {triangles_vert, {}}, options),
+      paints(gpu, "paints", {triangles_vert, triangles_frag});
+  Canvas canvas(gpu, kWidth, kHeight);
+  const Buffer<vec3> near(gpu, leftPart(0, 0.2f)), far(gpu, leftPart(1, 0.8f));
+  Buffer<std::uint32_t> picture(gpu, kWidth * kHeight, Memory::kHost);
+  Recorder recorder(gpu);
+  recorder.begin();
+  recorder.stage("draw");
+  render(recorder, canvas.pass(kBlack),
+         {draw(hides, TrianglesArgs{near, kRed}, 6), draw(paints, TrianglesArgs{far, kGreen}, 6)});
+  copyToBuffer(recorder, canvas.resolved, picture.raw());
+  recorder.submitAndWait();
+  EXPECT_EQ(picture.host()[10 * kWidth + 5], 0xFF000000u);
+  EXPECT_EQ(picture.host()[10 * kWidth + 60], 0xFF00FF00u);
+}
+
+TEST(Graphics, CountsMayComeFromTheDevice) {
+  Gpu& gpu = testGpu();
+  const GraphicsPipeline<TrianglesArgs> pipeline(gpu, "triangles", {triangles_vert, triangles_frag});
+  Canvas canvas(gpu, kWidth, kHeight);
+  const Buffer<vec3> corners(gpu, leftPart(1, 0.5f));  // two triangles, of which one is asked for
+  Buffer<std::uint32_t> counts(gpu, 4), picture(gpu, kWidth * kHeight, Memory::kHost);
+  Recorder recorder(gpu);
+  recorder.begin();
+  recorder.stage("draw");
+  const std::uint32_t one_triangle[4] = {3, 1, 0, 0};
+  recorder.update(counts.raw(), one_triangle, sizeof one_triangle);
+  render(recorder, canvas.pass(kBlack), {drawCounted(pipeline, TrianglesArgs{corners, kGreen}, counts.raw())});
+  copyToBuffer(recorder, canvas.resolved, picture.raw());
+  recorder.submitAndWait();
+  EXPECT_TRUE(recorder.commands()[1].barrier_before);
+  EXPECT_EQ(picture.host()[40 * kWidth + 5], 0xFF00FF00u);  // below the diagonal
+  EXPECT_EQ(picture.host()[5 * kWidth + 60], 0xFF000000u);
+}
+
+TEST(Graphics, IndicesNameTheCorners) {
+  Gpu& gpu = testGpu();
+  const GraphicsPipeline<TrianglesArgs> pipeline(gpu, "triangles", {triangles_vert, triangles_frag});
+  Canvas canvas(gpu, kWidth, kHeight);
+  const Buffer<vec3> corners(gpu, std::vector<vec3>{{-1, -1, 0.5f}, {1, -1, 0.5f}, {-1, 1, 0.5f}, {1, 1, 0.5f}});
+  Buffer<std::uint32_t> indices(gpu, std::size_t(6)), picture(gpu, kWidth * kHeight, Memory::kHost);
+  Recorder recorder(gpu);
+  recorder.begin();
+  recorder.stage("draw");
+  const std::uint32_t square[6] = {0, 2, 3, 0, 3, 1};
+  recorder.update(indices.raw(), square, sizeof square);
+  render(recorder, canvas.pass(kBlack), {drawIndexed(pipeline, TrianglesArgs{corners, kGreen}, indices)});
+  copyToBuffer(recorder, canvas.resolved, picture.raw());
+  recorder.submitAndWait();
+  EXPECT_TRUE(recorder.commands()[1].barrier_before);
+  EXPECT_EQ(std::count(picture.host().begin(), picture.host().end(), 0xFF00FF00u), kWidth * kHeight);
 }
 
 TEST(Graphics, ADrawWaitsForTheKernelThatFillsItsBuffer) {

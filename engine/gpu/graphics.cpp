@@ -59,6 +59,7 @@ VkPipelineDepthStencilStateCreateInfo depthState(const GraphicsOptions& options)
 
 VkPipelineColorBlendAttachmentState blendState(Blend blend) {
   VkPipelineColorBlendAttachmentState state{};
+  if (blend == Blend::kDepthOnly) return state;
   state.colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT |
                          VK_COLOR_COMPONENT_A_BIT;
   state.blendEnable = blend == Blend::kAlpha;
@@ -214,6 +215,8 @@ void render(Recorder& recorder, const RenderPass& pass, const std::vector<Draw>&
   for (const Draw& d : draws) {
     const std::vector<Access> of_draw = recorder.accessesOf(d.pipeline->pointers(), d.args.data());
     accesses.insert(accesses.end(), of_draw.begin(), of_draw.end());
+    for (const RawBuffer* read : {d.counts, d.indices})
+      if (read) accesses.push_back({read->address(), true, false});
   }
   const std::string name = draws.empty() ? "clear" : draws.front().pipeline->name();
   VkCommandBuffer commands = recorder.commandsFor(name, accesses);
@@ -228,7 +231,14 @@ void render(Recorder& recorder, const RenderPass& pass, const std::vector<Draw>&
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, d.pipeline->pipeline());
     vkCmdPushConstants(commands, d.pipeline->layout(), kStages, 0, static_cast<std::uint32_t>(d.args.size()),
                        d.args.data());
-    vkCmdDraw(commands, d.vertices, d.instances, 0, 0);
+    if (d.indices) {
+      vkCmdBindIndexBuffer(commands, d.indices->handle(), d.indices->offset(), VK_INDEX_TYPE_UINT32);
+      vkCmdDrawIndexed(commands, d.vertices, d.instances, 0, 0, 0);
+    } else if (d.counts) {
+      vkCmdDrawIndirect(commands, d.counts->handle(), d.counts->offset(), 1, 0);
+    } else {
+      vkCmdDraw(commands, d.vertices, d.instances, 0, 0);
+    }
   }
   vkCmdEndRendering(commands);
 }

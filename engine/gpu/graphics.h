@@ -20,7 +20,8 @@ namespace airclay {
 
 enum class Blend {
   kOpaque,
-  kAlpha,  ///< colour * alpha + what is there * (1 - alpha)
+  kAlpha,      ///< colour * alpha + what is there * (1 - alpha)
+  kDepthOnly,  ///< the colour stays as it is
 };
 
 /// What is fixed when a graphics pipeline is made.
@@ -92,6 +93,10 @@ struct Draw {
   const RawGraphicsPipeline* pipeline = nullptr;  ///< must live until the pass is recorded
   std::vector<unsigned char> args;
   std::uint32_t vertices = 0, instances = 1;
+  /// Optional: four uints on the device (vertices, instances, 0, 0) that stand for the two above.
+  const RawBuffer* counts = nullptr;
+  /// Optional: uints that gl_VertexIndex runs through, so that a corner shared by triangles is treated once.
+  const RawBuffer* indices = nullptr;
 };
 
 template <class Args>
@@ -99,6 +104,22 @@ Draw draw(const GraphicsPipeline<Args>& pipeline, const Args& args, std::uint32_
           std::uint32_t instances = 1) {
   const auto* bytes = reinterpret_cast<const unsigned char*>(&args);
   return {&pipeline, {bytes, bytes + sizeof(Args)}, vertices, instances};
+}
+
+/// The same with counts that a kernel found.
+template <class Args>
+Draw drawCounted(const GraphicsPipeline<Args>& pipeline, const Args& args, const RawBuffer& counts) {
+  Draw counted = draw(pipeline, args, 0);
+  counted.counts = &counts;
+  return counted;
+}
+
+/// The same through indices, all of them.
+template <class Args>
+Draw drawIndexed(const GraphicsPipeline<Args>& pipeline, const Args& args, const Buffer<std::uint32_t>& indices) {
+  Draw indexed = draw(pipeline, args, static_cast<std::uint32_t>(indices.count()));
+  indexed.indices = &indices.raw();
+  return indexed;
 }
 
 /// What a pass draws into, all of one size. What has no clear value keeps what was drawn before.
