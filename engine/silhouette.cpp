@@ -6,6 +6,7 @@
 #include "engine/error.h"
 #include "shaders/background_add.comp.h"
 #include "shaders/background_finish.comp.h"
+#include "shaders/edges.comp.h"
 #include "shaders/majority.comp.h"
 #include "shaders/runs_find.comp.h"
 #include "shaders/runs_join.comp.h"
@@ -26,12 +27,14 @@ Silhouettes::Silhouettes(Gpu& gpu, const GpuRig& rig)
       add_(gpu, "background_add", background_add_comp, {kSilhouetteWorkgroup}),
       finish_(gpu, "background_finish", background_finish_comp, {kSilhouetteWorkgroup}),
       segment_(gpu, "segment", segment_comp, {kSilhouetteWorkgroup}),
+      edges_(gpu, "edges", edges_comp, {kSilhouetteWorkgroup}),
       majority_(gpu, "majority", majority_comp, {kSilhouetteWorkgroup}),
       find_(gpu, "runs_find", runs_find_comp, {kSilhouetteWorkgroup}),
       join_(gpu, "runs_join", runs_join_comp, {kSilhouetteWorkgroup}),
       measure_(gpu, "runs_measure", runs_measure_comp, {kSilhouetteWorkgroup}),
       largest_kernel_(gpu, "runs_largest", runs_largest_comp, {kSilhouetteWorkgroup}),
       write_(gpu, "runs_write", runs_write_comp, {kSilhouetteWorkgroup}),
+      levels_(gpu, std::size_t(kScoreLevels) * rig.maskWords()),
       segmented_(gpu, rig.maskWords()),
       majority_mask_(gpu, rig.maskWords()),
       largest_mask_(gpu, rig.maskWords()),
@@ -96,8 +99,14 @@ void Silhouettes::record(Recorder& recorder, const Buffer<std::uint32_t>& pictur
   segment.cameras = rig_.cameras();
   segment.pictures = pictures;
   segment.model = model_;
-  segment.masks = segmented_;
+  segment.levels = levels_;
   recorder.dispatch(segment_, segment, word_groups, cameras);
+
+  EdgeArgs edges{};
+  edges.cameras = rig_.cameras();
+  edges.levels = levels_;
+  edges.masks = segmented_;
+  recorder.dispatch(edges_, edges, word_groups, cameras);
 
   MajorityArgs majority{};
   majority.cameras = rig_.cameras();

@@ -30,6 +30,7 @@ class Silhouettes {
   Buffer<std::uint32_t>& masks() { return masks_; }
   const Buffer<std::uint32_t>& masks() const { return masks_; }
   /// The steps on the way, for comparison with the reference.
+  const Buffer<std::uint32_t>& levels() const { return levels_; }
   const Buffer<std::uint32_t>& segmented() const { return segmented_; }
   const Buffer<std::uint32_t>& majorityMask() const { return majority_mask_; }
   const Buffer<std::uint32_t>& largestMask() const { return largest_mask_; }
@@ -41,10 +42,11 @@ class Silhouettes {
   const GpuRig& rig_;
   Kernel<BackgroundArgs> add_, finish_;
   Kernel<SegmentArgs> segment_;
+  Kernel<EdgeArgs> edges_;
   Kernel<MajorityArgs> majority_;
   Kernel<RunArgs> find_, join_, measure_, largest_kernel_, write_;
   Buffer<std::uint32_t> sums_, model_;
-  Buffer<std::uint32_t> segmented_, majority_mask_, largest_mask_, masks_;
+  Buffer<std::uint32_t> levels_, segmented_, majority_mask_, largest_mask_, masks_;
   Buffer<std::uint32_t> run_counts_, runs_, labels_, areas_, largest_;
   std::uint32_t learned_frames_ = 0;
   bool learned_ = false;
@@ -65,8 +67,11 @@ struct BackgroundPixel {
 /// From frames of tightly packed BGR bytes of one camera.
 std::vector<BackgroundPixel> learnBackgroundReference(const std::vector<std::vector<std::uint8_t>>& frames);
 
-/// How clearly a pixel is object (positive) or background (negative): the largest of the three tests' margins, each in its own unit.
-double segmentMargin(const Vec3& seen, const BackgroundPixel& background);
+/// How far a pixel differs from the background, in units of what may differ by chance (silhouette_io.h).
+double scoreReference(const Vec3& seen, const BackgroundPixel& background);
+
+/// The mask from a picture's scores: at least 1, and not beside one that is more than twice as high in the octaves of silhouette_io.h.
+Mask edgesReference(int width, int height, const std::vector<double>& scores);
 
 Mask majorityReference(const Mask& mask);
 Mask largestPartReference(const Mask& mask);

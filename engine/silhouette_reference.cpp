@@ -54,13 +54,30 @@ std::vector<BackgroundPixel> learnBackgroundReference(const std::vector<std::vec
   return model;
 }
 
-double segmentMargin(const Vec3& seen, const BackgroundPixel& background) {
+double scoreReference(const Vec3& seen, const BackgroundPixel& background) {
   const double square = std::max(background.mean.squaredNorm(), 1.0);
   const double alpha = seen.dot(background.mean) / square;
   const double tolerance = double(kColourSpreads) * background.spread;
   const double slack = tolerance / std::sqrt(square);
-  const double colour = (seen - alpha * background.mean).norm() - tolerance;
-  return std::max({colour, double(kDarkest) - slack - alpha, alpha - double(kBrightest) - slack});
+  const double colour = (seen - alpha * background.mean).norm() / tolerance;
+  const double brightness =
+      alpha > 1 ? (alpha - 1) / (double(kBrightest) - 1 + slack) : (1 - alpha) / (1 - double(kDarkest) + slack);
+  return std::max(colour, brightness);
+}
+
+Mask edgesReference(int width, int height, const std::vector<double>& scores) {
+  Mask mask{width, height, std::vector<std::uint8_t>(scores.size())};
+  const auto octave = [](double score) { return score >= 8 ? 3 : score >= 4 ? 2 : score >= 2 ? 1 : score >= 1 ? 0 : -1; };
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const int own = octave(scores[std::size_t(y * width + x)]);
+      int highest = own;
+      for (int v = std::max(y - 2, 0); v <= std::min(y + 2, height - 1); ++v)
+        for (int u = std::max(x - 2, 0); u <= std::min(x + 2, width - 1); ++u)
+          highest = std::max(highest, octave(scores[std::size_t(v * width + u)]));
+      mask.pixels[std::size_t(y * width + x)] = own >= 0 && highest < own + 2 ? 255 : 0;
+    }
+  return mask;
 }
 
 Mask majorityReference(const Mask& mask) {

@@ -30,13 +30,12 @@ struct GpuFit {
   uint outside_count;
   uint iterations;
   uint outcome;
-  uint near_cells;       // voxel-model cells near the hand, and those of them that the hand leaves uncovered
-  uint uncovered_cells;
-  uint tracked;          // 1 when this is to be believed
+  uint tracked;          // 1 when it is to be believed
 };
 
 READ_POINTER(ReadFits, GpuFit)
 READ_WRITE_POINTER(ReadWriteFits, GpuFit)
+WRITE_POINTER(WriteFits, GpuFit)
 
 // fit: one workgroup a hypothesis, all iterations.
 struct FitArgs {
@@ -51,6 +50,16 @@ struct FitArgs {
   float margin_m;     // a patch begins to be pushed this far inside the surface
   uint patch_count;
   uint max_iterations;
+};
+
+// fit_choose: the best of the hypotheses becomes the frame's result, and whether it is to be believed.
+struct FitChooseArgs {
+  ReadFits fits;
+  ReadHullSummaries summary;
+  WriteFits result;
+  uint count;
+  uint min_occupied;    // voxels: less is nobody's hand
+  float lost_outside_m;  // patches farther outside than this on average: the model is not there
 };
 
 AIRCLAY_IO_END

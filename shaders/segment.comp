@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// Object or background, for 32 pixels an invocation. A pixel I is compared with the background's mean E as a brightness α E, which a
+// How far 32 pixels differ from the background, an invocation. A pixel I is compared with the background's mean E as a brightness α E, which a
 // shadow or a change of light scales, and a rest of other colour (the decomposition of Horprasert, Harwood and Davis 1999).
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/silhouette_io.h"
@@ -10,7 +10,8 @@ layout(push_constant, scalar) uniform Push { SegmentArgs args; };
 
 vec3 channels(uint word) { return vec3(word & 255u, word >> 8 & 255u, word >> 16 & 255u); }
 
-bool isObject(uint pixel, uint model) {
+// The levels that the pixel's score reaches, a bit each.
+uint levelsReached(uint pixel, uint model) {
   const vec3 seen = channels(pixel), expected = channels(model);
   const float spread = kSpreadStep * float(model >> 24);
   const float square = max(dot(expected, expected), 1.0);
@@ -19,7 +20,9 @@ bool isObject(uint pixel, uint model) {
   const float tolerance = kColourSpreads * spread;
   // the brightness of a dark background is mostly noise: its spread widens both limits
   const float slack = tolerance * inversesqrt(square);
-  return dot(rest, rest) > tolerance * tolerance || alpha < kDarkest - slack || alpha > kBrightest + slack;
+  const float brightness = alpha > 1 ? (alpha - 1) / (kBrightest - 1 + slack) : (1 - alpha) / (1 - kDarkest + slack);
+  const float score = max(sqrt(dot(rest, rest)) / tolerance, brightness);
+  return (score >= 1 ? 1u : 0u) | (score >= 2 ? 2u : 0u) | (score >= 4 ? 4u : 0u) | (score >= 8 ? 8u : 0u);
 }
 
 void main() {
@@ -29,7 +32,7 @@ void main() {
   const uint first = y * camera.width + 32 * w;
   const uint count = min(32u, camera.width - 32 * w);
 
-  uint word = 0;
+  uint words[kScoreLevels] = {0, 0, 0, 0};
   for (uint i = 0; i < count; i += 4) {
     // four pixels are three words, or parts of four
     const uint byte = 3 * (first + i), shift = 8 * (byte & 3u);
@@ -39,9 +42,10 @@ void main() {
     const uint pixels[4] = {bytes.x, bytes.x >> 24 | bytes.y << 8, bytes.y >> 16 | bytes.z << 16, bytes.z >> 8};
     for (uint k = 0; k < 4; ++k) {
       const uint model = args.model.at[camera.pixels_before + first + i + k];
-      word |= (isObject(pixels[k], model) ? 1u : 0u) << (i + k);
+      const uint reached = i + k < count ? levelsReached(pixels[k], model) : 0;
+      for (uint level = 0; level < kScoreLevels; ++level) words[level] |= (reached >> level & 1u) << (i + k);
     }
   }
-  if (count < 32) word &= (1u << count) - 1;
-  args.masks.at[camera.mask_words + y * camera.row_words + w] = word;
+  const uint at = kScoreLevels * (camera.mask_words + y * camera.row_words + w);
+  for (uint level = 0; level < kScoreLevels; ++level) args.levels.at[at + level] = words[level];
 }

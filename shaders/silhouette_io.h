@@ -15,14 +15,18 @@ const float kSpreadStep = 0.125f;
 const uint kLearnSums = 6;
 const uint kMaxLearnFrames = 256;  // 256 · 255² still fits 32 bits
 
-// 2.5 grey levels: what compression and noise leave in any picture; a mean over ten frames can look steadier by luck.
-const float kMinSpread = 2.5f;
+// 2 grey levels: what compression and noise leave in any picture; a mean over ten frames can look steadier by luck.
+const float kMinSpread = 2.0f;
 
-// A shadow keeps the colour and takes at most this share of the brightness; a small change of light adds at most that.
-const float kDarkest = 0.5f;
+// A pixel's score is how far it differs from the background, in units of what may differ by chance: linear in how much of the pixel the
+// object covers. A shadow keeps the colour and takes at most this share of the brightness; a change of light adds at most that.
+const float kDarkest = 0.65f;
 const float kBrightest = 1.2f;
-// Colour that differs by more than this many spreads is not the background's; 4.5: one pixel in 25,000 of Gaussian noise.
-const float kColourSpreads = 4.5f;
+// Colour may differ by this many spreads: 3: one pixel in 90 of Gaussian noise, which the majority removes.
+const float kColourSpreads = 3.0f;
+
+// The score is kept as bits: whether it is at least 1, 2, 4, 8; a word a level for each mask word, one behind the other.
+const uint kScoreLevels = 4;
 
 // background_add: a frame into the sums. background_finish: the sums into the model.
 struct BackgroundArgs {
@@ -33,11 +37,19 @@ struct BackgroundArgs {
   uint frames;  // so far
 };
 
-// segment: one invocation a mask word. `pictures` are BGR bytes, rows without padding, each camera's at a whole word.
+// segment: one invocation a mask word, to its words of levels. `pictures` are BGR bytes, rows without padding, each camera's at a whole word.
 struct SegmentArgs {
   ReadCameras cameras;
   ReadUints pictures;
   ReadUints model;
+  WriteUints levels;
+};
+
+// edges: the masks from the levels. A pixel is object when its score is 1 and no neighbour's within two pixels is more than twice its own:
+// lenses and video coding smear an edge over some pixels, and the object ends where the score has fallen to half.
+struct EdgeArgs {
+  ReadCameras cameras;
+  ReadUints levels;
   WriteUints masks;
 };
 

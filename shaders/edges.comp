@@ -1,0 +1,45 @@
+#version 460
+// SPDX-License-Identifier: MIT
+// Where the object ends: pixels whose score is less than half of one nearby are the smear of an edge. 32 pixels an invocation.
+#extension GL_GOOGLE_include_directive : require
+#include "shaders/silhouette_io.h"
+
+layout(local_size_x_id = 0) in;
+layout(push_constant, scalar) uniform Push { EdgeArgs args; };
+
+const int kReach = 1;  // pixels: chroma is coded at half the resolution
+
+void main() {
+  const GpuCamera camera = args.cameras.at[gl_WorkGroupID.y];
+  const uint y = gl_GlobalInvocationID.x / camera.row_words, w = gl_GlobalInvocationID.x % camera.row_words;
+  if (y >= camera.height) return;
+  const uint own = camera.mask_words + y * camera.row_words + w;
+  const uint one = args.levels.at[kScoreLevels * own], two = args.levels.at[kScoreLevels * own + 1];
+  if (one == 0) {
+    args.masks.at[own] = 0;
+    return;
+  }
+
+  // within reach: pixels with a score of 4, of 8, and background
+  uint near[kScoreLevels];
+  for (uint level = 0; level < kScoreLevels; ++level) near[level] = 0;
+  for (int dy = -kReach; dy <= kReach; ++dy) {
+    const uint row = y + uint(dy);  // wraps below 0: not less than the height
+    if (row >= camera.height) continue;
+    const uint at = camera.mask_words + row * camera.row_words + w;
+    for (uint level = 0; level < kScoreLevels; ++level) {
+      if (level == 1) continue;
+      const uint flip = level == 0 ? ~0u : 0u;
+      const uint here = args.levels.at[kScoreLevels * at + level] ^ flip;
+      const uint before = w > 0 ? args.levels.at[kScoreLevels * (at - 1) + level] ^ flip : 0;
+      const uint behind = w + 1 < camera.row_words ? args.levels.at[kScoreLevels * (at + 1) + level] ^ flip : 0;
+      near[level] |= here;
+      for (int dx = 1; dx <= kReach; ++dx)
+        near[level] |= here << dx | before >> (32 - dx) | here >> dx | behind << (32 - dx);
+    }
+  }
+  // [1, 2) beside 4 or more, and [2, 4) beside 8 or more, are less than half
+  const uint four = args.levels.at[kScoreLevels * own + 2];
+  const uint smear = (~two & near[2]) | (~four & near[3]);
+  args.masks.at[own] = one & ~(smear & near[0]);
+}
