@@ -70,11 +70,21 @@ Renderer::Renderer(Gpu& gpu, const RendererOptions& options) : gpu_(gpu), option
   frame_ = Buffer<RenderFrame>(gpu, 1, Memory::kHost);
   pixels_ = Buffer<std::uint32_t>(gpu, std::size_t(width) * height, Memory::kHost);
 
-  // the lit square of ground, 1 metre from its middle to its sides
+  // the lit square of ground, from -1 to 1; the cells' edge grows from the middle outwards
+  const auto place = [](std::uint32_t i) {
+    const float even = 2.0f * static_cast<float>(i) / (kGroundCells - 1) - 1;
+    return 0.4f * even + 0.6f * even * even * even;
+  };
   std::vector<vec3> ground;
+  std::vector<std::uint32_t> triangles;
   for (std::uint32_t y = 0; y < kGroundCells; ++y)
-    for (std::uint32_t x = 0; x < kGroundCells; ++x)
-      ground.emplace_back(2.0f * x / (kGroundCells - 1) - 1, 2.0f * y / (kGroundCells - 1) - 1, 0.0f);
+    for (std::uint32_t x = 0; x < kGroundCells; ++x) {
+      ground.emplace_back(place(x), place(y), 0.0f);
+      if (x + 1 == kGroundCells || y + 1 == kGroundCells) continue;
+      const std::uint32_t low = x + kGroundCells * y, high = low + kGroundCells;
+      triangles.insert(triangles.end(), {low, low + 1, high + 1, low, high + 1, high});
+    }
+  ground_triangles_ = Buffer<std::uint32_t>(gpu, triangles);
   ground_positions_ = Buffer<vec3>(gpu, ground);
   ground_normals_ = Buffer<vec3>(gpu, std::vector<vec3>(ground.size(), vec3(0, 0, 1)));
   ground_lights_ = Buffer<vec4>(gpu, ground.size());
@@ -144,20 +154,10 @@ void Renderer::prepare(const Scene& scene) {
 void Renderer::aim(const Scene& scene, const View& view) {
   const double edge_m = scene.workspace.edge_m;
   const double aspect = static_cast<double>(options_.width) / options_.height;
-  const Pose workspace_from_camera = view.camera_from_workspace.inverse();
   aim_.clip_from_workspace =
       clipFromCamera(view, aspect, edge_m / 40, edge_m * 40) * view.camera_from_workspace.matrix();
-  aim_.eye = workspace_from_camera.translation();
+  aim_.eye = view.camera_from_workspace.inverse().translation();
   aim_.key_direction = keyDirection(view);
-
-  const double tan_half = std::tan(0.5 * view.vertical_fov_rad);
-  const auto ray = [&](double x, double y) {  // x, y: -1 to 1 across the picture
-    return Vec3(workspace_from_camera.linear() * Vec3(tan_half * (aspect * x - 2 * view.axis_shift.x()),
-                                                      tan_half * (y - 2 * view.axis_shift.y()), 1));
-  };
-  aim_.ray_corner = ray(-1, -1);
-  aim_.ray_right = (ray(1, -1) - aim_.ray_corner) / options_.width;
-  aim_.ray_down = (ray(-1, 1) - aim_.ray_corner) / options_.height;
 
   // the shadow map holds the ball around the cube, and from far enough what stands out of it
   aim_.light_radius_m = 0.87 * edge_m;
@@ -338,16 +338,17 @@ void Renderer::addStrokes(std::vector<Draw>& draws, const Scene& scene, bool hid
 
 RenderBackdropArgs Renderer::backdropArgs(const Scene& scene) const {
   RenderBackdropArgs args{};
-  if (scene.ground_z_m) args.ground_lights = {ground_lights_.at(0).address};
-  args.eye = aim_.eye.cast<float>();
-  args.ray_corner = aim_.ray_corner.cast<float>();
-  args.ray_right = aim_.ray_right.cast<float>();
-  args.ray_down = aim_.ray_down.cast<float>();
+  if (scene.ground_z_m) {
+    const double half_m = kGroundHalf * scene.workspace.edge_m;
+    const Eigen::Affine3d workspace_from_ground =
+        Eigen::Translation3d(0, 0, *scene.ground_z_m) * Eigen::Scaling(half_m, half_m, 1.0);
+    args.positions = ground_positions_;
+    args.lights = {ground_lights_.at(0).address};
+    args.clip_from_ground = (aim_.clip_from_workspace * workspace_from_ground.matrix()).cast<float>();
+  }
   args.top = scene.backdrop_top;
   args.bottom = scene.backdrop_bottom;
   args.viewport = vec2(static_cast<float>(options_.width), static_cast<float>(options_.height));
-  args.ground_z = static_cast<float>(scene.ground_z_m.value_or(0));
-  args.ground_half = kGroundHalf * static_cast<float>(scene.workspace.edge_m);
   return args;
 }
 
@@ -361,6 +362,8 @@ void Renderer::recordPicture(Recorder& recorder, const Scene& scene) {
   if (!scene.capsules.empty())
     draws.push_back(draw(pipelines_->capsules, capsuleArgs(false), kCapsuleVertices,
                          static_cast<std::uint32_t>(scene.capsules.size())));
+  if (scene.ground_z_m)
+    draws.push_back(drawIndexed(pipelines_->ground, backdropArgs(scene), ground_triangles_));
   draws.push_back(draw(pipelines_->backdrop, backdropArgs(scene), 3));
   addStrokes(draws, scene, true);
   addStrokes(draws, scene, false);

@@ -197,7 +197,6 @@ class Renderer {
   struct Aim {
     Eigen::Matrix4d clip_from_workspace, light_from_workspace;
     Vec3 eye, key_direction;                       ///< the direction is towards the light
-    Vec3 ray_corner, ray_right, ray_down;          ///< as in RenderBackdropArgs
     double light_radius_m = 0, light_depth_m = 0;  ///< of the ball that the shadow map holds; of its depth
   };
 
@@ -224,6 +223,7 @@ class Renderer {
   Buffer<float> shadow_map_;
   Buffer<RenderFrame> frame_;
   Buffer<vec3> ground_positions_, ground_normals_;
+  Buffer<std::uint32_t> ground_triangles_;
   Buffer<vec4> ground_lights_, lights_;
   Buffer<std::uint32_t> areas_;
   Buffer<float> densities_;

@@ -10,6 +10,8 @@
 #include "shaders/render_density.comp.h"
 #include "shaders/render_density_levels.comp.h"
 #include "shaders/render_depth.vert.h"
+#include "shaders/render_ground.frag.h"
+#include "shaders/render_ground.vert.h"
 #include "shaders/render_light.comp.h"
 #include "shaders/render_mesh.vert.h"
 #include "shaders/render_skin.frag.h"
@@ -48,6 +50,7 @@ GraphicsOptions blended(std::uint32_t samples, std::uint32_t constant) {
 GraphicsOptions depthOnly(std::uint32_t samples) {
   GraphicsOptions options = solid(samples);
   options.blend = Blend::kDepthOnly;
+  options.cull = VK_CULL_MODE_BACK_BIT;
   return options;
 }
 
@@ -82,6 +85,7 @@ Renderer::Pipelines::Pipelines(Gpu& gpu, std::uint32_t samples)
       capsules(gpu, "capsules", {render_capsules_vert, render_capsules_frag}, solid(samples)),
       shadow_voxels(gpu, "shadow of voxels", {render_voxels_vert, {}}, shadow()),
       voxels(gpu, "voxels", {render_voxels_vert, render_voxels_frag}, solid(samples)),
+      ground(gpu, "ground", {render_ground_vert, render_ground_frag}, solid(samples)),
       backdrop(gpu, "backdrop", {render_backdrop_vert, render_backdrop_frag}, solid(samples)),
       lines(gpu, "lines", {render_strokes_vert, render_strokes_frag}, strokes(samples, false, false)),
       dots(gpu, "dots", {render_strokes_vert, render_strokes_frag}, strokes(samples, true, false)),

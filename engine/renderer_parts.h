@@ -18,7 +18,7 @@ struct Renderer::Pipelines {
   GraphicsPipeline<RenderMeshArgs> shadow_mesh, clay, hand_depth, skin, forearm;
   GraphicsPipeline<RenderCapsuleArgs> shadow_capsules, capsules;
   GraphicsPipeline<RenderVoxelArgs> shadow_voxels, voxels;
-  GraphicsPipeline<RenderBackdropArgs> backdrop;
+  GraphicsPipeline<RenderBackdropArgs> ground, backdrop;
   GraphicsPipeline<RenderStrokeArgs> lines, dots, hidden_lines, hidden_dots;
 
   Pipelines(Gpu& gpu, std::uint32_t samples);

@@ -151,10 +151,10 @@ vec3 fromScreen(int red, int green, int blue) {
 }
 
 vec3 clayColor() {
-  return fromScreen(184, 134, 110);
+  return fromScreen(174, 134, 116);
 }
 vec3 skinColor() {
-  return fromScreen(222, 172, 146);
+  return fromScreen(208, 152, 128);
 }
 
 SceneStrokes cubeEdges(const Workspace& workspace) {

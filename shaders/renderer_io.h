@@ -12,9 +12,10 @@ AIRCLAY_IO_BEGIN
 
 const uint kRenderWorkgroup = 64;
 
-// Vertices along each side of the square of ground that is lit; it reaches kGroundHalf workspace edges to each side.
-const uint kGroundCells = 96;
-const float kGroundHalf = 1.5f;
+// Vertices along each side of the square of ground that is lit; it reaches kGroundHalf workspace edges to each side. They
+// stand closer towards its middle.
+const uint kGroundCells = 64;
+const float kGroundHalf = 1.6f;
 
 // How much surface stands where: a pyramid of cubes around the workspace, kDensityCells along an edge and then half and a
 // quarter as many. A cell holds surface area / (its own edge)²: about 1 where one sheet passes.
@@ -87,18 +88,14 @@ struct RenderMeshArgs {
   float opacity;
 };
 
-// render_backdrop.vert, .frag
+// render_backdrop.vert, .frag; render_ground.vert, .frag
 struct RenderBackdropArgs {
-  ReadVec4s ground_lights;  // 0: no ground
-  vec3 eye;
-  vec3 ray_corner;  // through the picture's upper left corner; a pixel's ray is corner + x right + y down
-  vec3 ray_right;
-  vec3 ray_down;
-  vec3 top;         // colour of the picture's upper edge
+  ReadVec3s positions;    // of the ground: -1 to 1; 0 for the backdrop
+  ReadVec4s lights;
+  mat4 clip_from_ground;
+  vec3 top;               // colour of the picture's upper edge
   vec3 bottom;
-  vec2 viewport;    // pixels
-  float ground_z;
-  float ground_half;  // metres
+  vec2 viewport;          // pixels
 };
 
 // render_strokes.vert, .frag: a segment or a dot of constant width in the picture, with round ends.
