@@ -6,24 +6,16 @@
 #include <memory>
 
 #include "capture/recording.h"
+#include "engine/demo_scene.h"
 #include "engine/gpu/gpu.h"
-#include "engine/mesh.h"
-#include "engine/script.h"
 
 namespace airclay {
-
-/// Four cameras of 640 x 480 about 1.1 m from the 60 cm cube, at different heights and all round it, every
-/// one seeing all of the cube, with the mild lens distortion of webcams.
-Rig demoRig();
-
-/// The built-in right hand and its forearm, as the cameras see them.
-std::vector<TriangleMesh> demoArm();
 
 struct SyntheticOptions {
   Rig rig = demoRig();
   HandScript script = demoScript();
   std::vector<TriangleMesh> meshes = demoArm();  ///< hand frame
-  double rate_hz = 30;
+  double rate_hz = kDemoRateHz;
   std::uint32_t seed = 1;
   double noise_sigma = 2.5;  ///< of 255
   double drift = 0.02;       ///< share by which the brightness swings slowly, as a camera's own exposure does
