@@ -71,10 +71,16 @@ class Carver {
 /// The reference: every voxel by itself, in double precision.
 VoxelGrid carveReference(const Rig& rig, const std::vector<Mask>& masks, int voxels);
 
-/// Voxels of which a camera's projection falls within `pixels` of a pixel of the other kind or of a picture's
-/// border: there float and double may round to different pixels. One byte a voxel.
+/// Whether a camera's projection of the point falls within `pixels` of a pixel of the other kind or of a
+/// picture's border: there float and double may round to different pixels.
+bool isEdgePoint(const Rig& rig, const std::vector<Mask>& masks, const Vec3& point_in_world, double pixels);
+
+/// The voxels whose centre isEdgePoint(). One byte a voxel.
 std::vector<std::uint8_t> edgeVoxels(const Rig& rig, const std::vector<Mask>& masks, int voxels,
                                      double pixels);
+
+/// Float and double put a voxel's centre at most this far apart in a picture of some hundred pixels.
+inline constexpr double kEdgePixels = 0.01;
 
 /// Occupied voxels and their centre of gravity in the world, in double precision.
 struct HullFigures {

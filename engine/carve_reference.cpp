@@ -38,26 +38,31 @@ VoxelGrid carveReference(const Rig& rig, const std::vector<Mask>& masks, int vox
   return grid;
 }
 
+bool isEdgePoint(const Rig& rig, const std::vector<Mask>& masks, const Vec3& point_in_world, double pixels) {
+  for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
+    const Camera& camera = rig.cameras[c];
+    const std::optional<Vec2> pixel =
+        projectThroughLens(camera.lens, camera.camera_from_world * point_in_world);
+    if (!pixel) continue;
+    // the pixels that a shift of up to `pixels` reaches; outside the picture counts as a third kind
+    const auto kind = [&](double u, double v) {
+      const double x = std::floor(u + 0.5), y = std::floor(v + 0.5);
+      if (x < 0 || y < 0 || x >= camera.width || y >= camera.height) return 2;
+      return isSet(masks[c], static_cast<int>(x), static_cast<int>(y)) ? 1 : 0;
+    };
+    const int here = kind(pixel->x(), pixel->y());
+    for (const double du : {-pixels, pixels})
+      for (const double dv : {-pixels, pixels})
+        if (kind(pixel->x() + du, pixel->y() + dv) != here) return true;
+  }
+  return false;
+}
+
 std::vector<std::uint8_t> edgeVoxels(const Rig& rig, const std::vector<Mask>& masks, int voxels,
                                      double pixels) {
   std::vector<std::uint8_t> edge(std::size_t(voxels) * std::size_t(voxels) * std::size_t(voxels));
   forEachVoxel(rig, voxels, [&](std::size_t index, const Vec3& center_in_world) {
-    for (std::size_t c = 0; c < rig.cameras.size() && !edge[index]; ++c) {
-      const Camera& camera = rig.cameras[c];
-      const std::optional<Vec2> pixel =
-          projectThroughLens(camera.lens, camera.camera_from_world * center_in_world);
-      if (!pixel) continue;
-      // the pixels that a shift of up to `pixels` reaches; outside the picture counts as a third kind
-      const auto kind = [&](double u, double v) {
-        const double x = std::floor(u + 0.5), y = std::floor(v + 0.5);
-        if (x < 0 || y < 0 || x >= camera.width || y >= camera.height) return 2;
-        return isSet(masks[c], static_cast<int>(x), static_cast<int>(y)) ? 1 : 0;
-      };
-      const int here = kind(pixel->x(), pixel->y());
-      for (const double du : {-pixels, pixels})
-        for (const double dv : {-pixels, pixels})
-          if (kind(pixel->x() + du, pixel->y() + dv) != here) edge[index] = 1;
-    }
+    edge[index] = isEdgePoint(rig, masks, center_in_world, pixels);
   });
   return edge;
 }

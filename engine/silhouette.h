@@ -29,7 +29,8 @@ class Silhouettes {
   /// One bit a pixel, GpuRig's layout. Also written by the host for masks that a take brings along.
   Buffer<std::uint32_t>& masks() { return masks_; }
   const Buffer<std::uint32_t>& masks() const { return masks_; }
-  /// The steps on the way, for comparison with the reference.
+  /// The background model, one word a pixel (silhouette_io.h), and the steps on the way: for comparison with the reference.
+  const Buffer<std::uint32_t>& model() const { return model_; }
   const Buffer<std::uint32_t>& levels() const { return levels_; }
   const Buffer<std::uint32_t>& segmented() const { return segmented_; }
   const Buffer<std::uint32_t>& majorityMask() const { return majority_mask_; }

@@ -8,9 +8,6 @@
 namespace airclay {
 namespace {
 
-/// Float and double put a voxel's centre at most this far apart in the picture.
-constexpr double kEdgePixels = 0.01;
-
 VoxelGrid carve(const Rig& rig, const std::vector<Mask>& masks, int voxels, HullSummary* summary = nullptr) {
   Gpu& gpu = testGpu();
   const GpuRig gpu_rig(gpu, rig);
