@@ -20,6 +20,7 @@
 #include "engine/gpu/graphics.h"
 #include "engine/hand_model.h"
 #include "engine/rig.h"
+#include "engine/subdivide.h"
 #include "shaders/renderer_io.h"
 
 namespace airclay {
@@ -91,6 +92,29 @@ class DrawnMesh {
   Buffer<std::uint32_t> triangles_;
   DistanceGrid grid_;
   Buffer<float> grid_values_;
+};
+
+/// The clay as it is drawn: subdivided further than its data points, so that no facet shows.
+class DisplaySurface {
+ public:
+  /// Up to two steps finer than `levels`, but for at most `most_points`.
+  DisplaySurface(Gpu& gpu, const PolygonMesh& cage, SubdivisionRule rule, int levels,
+                 int most_points = 12'000);
+
+  /// Records the surface of control points in the workspace's frame, as engine/clay.h has them.
+  void record(Recorder& recorder, const Buffer<vec3>& control_points) {
+    evaluator_.record(recorder, control_points);
+  }
+  /// The same with a submission of its own, for control points in the world.
+  void evaluate(const std::vector<Vec3>& control_points, const Workspace& workspace);
+
+  SurfaceBuffers surface() const {
+    return {&evaluator_.dataPoints(), &evaluator_.normals(), &evaluator_.triangles()};
+  }
+
+ private:
+  Gpu& gpu_;
+  SurfaceEvaluator evaluator_;
 };
 
 /// A colour given as on a screen (sRGB, 0 to 255), in linear light.

@@ -64,6 +64,14 @@ std::vector<vec3> inFloat(const std::vector<Vec3>& values) {
   return result;
 }
 
+/// The finest level that is worth drawing. Every step makes about four points of one.
+int displayLevels(std::size_t control_points, int levels, int most_points) {
+  double points = static_cast<double>(control_points) * std::pow(4.0, levels);
+  int finer = levels;
+  for (; finer < levels + 2 && 4 * points <= most_points; ++finer) points *= 4;
+  return finer;
+}
+
 }  // namespace
 
 Pose workspaceFromWorld(const Workspace& workspace) {
@@ -140,6 +148,22 @@ DrawnMesh DrawnMesh::faceted(Gpu& gpu, const PolygonMesh& mesh) {
     for (int i = 1; i + 1 < corners; ++i) flat.triangles.push_back({first, first + i, first + i + 1});
   }
   return DrawnMesh(gpu, flat, normals);
+}
+
+DisplaySurface::DisplaySurface(Gpu& gpu, const PolygonMesh& cage, SubdivisionRule rule, int levels,
+                               int most_points)
+    : gpu_(gpu),
+      evaluator_(gpu, subdivide(cage, displayLevels(cage.points.size(), levels, most_points), rule)) {}
+
+void DisplaySurface::evaluate(const std::vector<Vec3>& control_points, const Workspace& workspace) {
+  std::vector<vec3> in_workspace;
+  for (const Vec3& point : control_points) in_workspace.push_back((point - workspace.center).cast<float>());
+  const Buffer<vec3> points(gpu_, in_workspace);
+  Recorder recorder(gpu_);
+  recorder.begin();
+  recorder.stage("display surface");
+  record(recorder, points);
+  recorder.submitAndWait();
 }
 
 vec3 fromScreen(int red, int green, int blue) {
