@@ -113,43 +113,26 @@ Displacements pseudoinverseTimes(const StencilMatrix& matrix, const Displacement
 /// The moved rows of A over the control points that they depend on: the others don't move.
 struct TouchedRows {
   std::vector<int> columns;  ///< control points, ascending
-  StencilMatrix matrix;      ///< moves by columns
+  StencilMatrix matrix;      ///< rows by columns
 };
 
-TouchedRows touchedRows(const StencilMatrix& matrix, const std::vector<Move>& moves) {
+TouchedRows touchedRows(const StencilMatrix& matrix, const std::vector<int>& rows) {
   TouchedRows touched;
-  for (const Move& move : moves)
-    for (StencilMatrix::InnerIterator entry(matrix, move.index); entry; ++entry)
+  for (const int row : rows)
+    for (StencilMatrix::InnerIterator entry(matrix, row); entry; ++entry)
       touched.columns.push_back(int(entry.col()));
   std::sort(touched.columns.begin(), touched.columns.end());
   touched.columns.erase(std::unique(touched.columns.begin(), touched.columns.end()), touched.columns.end());
 
   std::vector<Eigen::Triplet<double>> weights;
-  for (size_t i = 0; i < moves.size(); ++i)
-    for (StencilMatrix::InnerIterator entry(matrix, moves[i].index); entry; ++entry) {
+  for (size_t i = 0; i < rows.size(); ++i)
+    for (StencilMatrix::InnerIterator entry(matrix, rows[i]); entry; ++entry) {
       const auto column = std::lower_bound(touched.columns.begin(), touched.columns.end(), int(entry.col()));
       weights.emplace_back(int(i), int(column - touched.columns.begin()), entry.value());
     }
-  touched.matrix.resize(Eigen::Index(moves.size()), Eigen::Index(touched.columns.size()));
+  touched.matrix.resize(Eigen::Index(rows.size()), Eigen::Index(touched.columns.size()));
   touched.matrix.setFromTriplets(weights.begin(), weights.end());
   return touched;
-}
-
-/// (AᵀA + λ²I)⁻¹Aᵀ b = Aᵀ(AAᵀ + λ²I)⁻¹ b: whichever matrix is smaller.
-Displacements solveDamped(const StencilMatrix& matrix, const Displacements& right_side, double damping) {
-  const bool more_rows = matrix.rows() > matrix.cols();
-  if (const Eigen::Index size = std::min(matrix.rows(), matrix.cols());
-      size > AllRowsSolver::kMaxControlPoints)
-    throw Error("the damped solve over " + std::to_string(size) +
-                " control points is too large; it takes up to " +
-                std::to_string(AllRowsSolver::kMaxControlPoints));
-  const StencilMatrix transposed = matrix.transpose();
-  MatrixXd gram =
-      more_rows ? MatrixXd(StencilMatrix(transposed * matrix)) : MatrixXd(StencilMatrix(matrix * transposed));
-  gram.diagonal().array() += damping * damping;
-  const Eigen::LLT<MatrixXd> factor(gram);
-  if (more_rows) return factor.solve(MatrixXd(transposed * right_side));
-  return transposed * MatrixXd(factor.solve(right_side));
 }
 
 void checkMoves(const StencilMatrix& matrix, const std::vector<Move>& moves) {
@@ -178,12 +161,53 @@ std::vector<Vec3> solveControlPoints(const StencilMatrix& matrix, const std::vec
     for (size_t i = 0; i < solved.size(); ++i) solved[i] += moved.row(Eigen::Index(i)).transpose();
     return solved;
   }
-  const TouchedRows touched = touchedRows(matrix, moves);
-  const Displacements moved =
-      damping > 0 ? solveDamped(touched.matrix, wanted, damping) : pseudoinverseTimes(touched.matrix, wanted);
+  std::vector<int> moved_rows;
+  for (const Move& move : moves) moved_rows.push_back(move.index);
+  if (damping > 0) {
+    std::vector<Vec3> displacements;
+    for (Eigen::Index i = 0; i < wanted.rows(); ++i) displacements.push_back(wanted.row(i).transpose());
+    const TouchedRowsSolver solver(matrix, moved_rows, damping);
+    const std::vector<Vec3> moved = solver.controlDisplacements(displacements);
+    for (size_t i = 0; i < solved.size(); ++i) solved[i] += moved[i];
+    return solved;
+  }
+  const TouchedRows touched = touchedRows(matrix, moved_rows);
+  const Displacements moved = pseudoinverseTimes(touched.matrix, wanted);
   for (size_t i = 0; i < touched.columns.size(); ++i)
     solved[size_t(touched.columns[i])] += moved.row(Eigen::Index(i)).transpose();
   return solved;
+}
+
+TouchedRowsSolver::TouchedRowsSolver(const StencilMatrix& matrix, const std::vector<int>& rows,
+                                     double damping)
+    : control_point_count_(int(matrix.cols())), rows_(rows) {
+  TouchedRows touched = touchedRows(matrix, rows);
+  columns_ = std::move(touched.columns);
+  touched_ = std::move(touched.matrix);
+  more_rows_ = touched_.rows() > touched_.cols();
+  if (const Eigen::Index size = std::min(touched_.rows(), touched_.cols());
+      size > AllRowsSolver::kMaxControlPoints)
+    throw Error("the damped solve over " + std::to_string(size) +
+                " control points is too large; it takes up to " +
+                std::to_string(AllRowsSolver::kMaxControlPoints));
+  // (AᵀA + λ²I)⁻¹Aᵀ b = Aᵀ(AAᵀ + λ²I)⁻¹ b: whichever matrix is smaller
+  const StencilMatrix transposed = touched_.transpose();
+  MatrixXd gram = more_rows_ ? MatrixXd(StencilMatrix(transposed * touched_))
+                             : MatrixXd(StencilMatrix(touched_ * transposed));
+  gram.diagonal().array() += damping * damping;
+  factor_.compute(gram);
+}
+
+std::vector<Vec3> TouchedRowsSolver::controlDisplacements(const std::vector<Vec3>& row_displacements) const {
+  Displacements wanted(touched_.rows(), 3);
+  for (size_t i = 0; i < row_displacements.size(); ++i)
+    wanted.row(Eigen::Index(i)) = row_displacements[i].transpose();
+  const MatrixXd moved = more_rows_ ? MatrixXd(factor_.solve(MatrixXd(touched_.transpose() * wanted)))
+                                    : MatrixXd(touched_.transpose() * MatrixXd(factor_.solve(wanted)));
+  std::vector<Vec3> displacements(size_t(control_point_count_), Vec3::Zero());
+  for (size_t i = 0; i < columns_.size(); ++i)
+    displacements[size_t(columns_[i])] = moved.row(Eigen::Index(i)).transpose();
+  return displacements;
 }
 
 AllRowsSolver::AllRowsSolver(const StencilMatrix& matrix) {
