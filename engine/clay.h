@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The clay in device memory: control points, data points, and what is kept between the frames.
+// The clay in device memory: control points and the surface that they give.
 #pragma once
-
-#include <memory>
 
 #include "engine/gpu/recorder.h"
 #include "engine/solve.h"
@@ -12,35 +10,53 @@ namespace airclay {
 
 struct ClayOptions;
 
-/// The virtual clay: a control cage, its subdivision d = A p, and the factored inverse. Positions live on the device.
+/// The virtual clay: a control cage and its subdivision d = A p. Positions live on the device, in the
+/// workspace's frame (the world moved to the workspace's centre).
 class Clay {
  public:
-  Clay(Gpu& gpu, const ClayOptions& options);
-  ~Clay();
+  /// \throw Error when the cage is none, or too large.
+  Clay(Gpu& gpu, const ClayOptions& options, const Vec3& workspace_center);
 
-  const Subdivision& subdivision() const;
-  int controlPointCount() const;
-  int dataPointCount() const;
+  const Subdivision& subdivision() const { return subdivision_; }
+  SolveRows solveRows() const { return solve_rows_; }
+  int controlPointCount() const { return static_cast<int>(subdivision_.matrix.cols()); }
+  int dataPointCount() const { return static_cast<int>(subdivision_.matrix.rows()); }
 
   /// The cage and the surface as they are now, in the world. \pre no submission is running
   PolygonMesh cage() const;
   PolygonMesh surface() const;
   /// Moves the control points; the surface follows in the same call.
   void setControlPoints(const std::vector<Vec3>& points);
+  /// How often that was done: whoever followed the surface starts anew.
+  int edits() const { return edits_; }
 
-  /// On the device: control points, data points, unit normals at the data points; metres, in the workspace's frame (the world moved to the
-  /// workspace's centre).
-  const Buffer<vec3>& controlPoints() const;
-  const Buffer<vec3>& dataPoints() const;
-  const Buffer<vec3>& normals() const;
+  /// On the device: control points, data points, unit normals at the data points; metres, in the workspace's
+  /// frame.
+  const Buffer<vec3>& controlPoints() const { return control_points_; }
+  const Buffer<vec3>& dataPoints() const { return evaluator_.dataPoints(); }
+  const Buffer<vec3>& normals() const { return evaluator_.normals(); }
   /// The surface's triangles: two a quad, indices of data points.
-  const Buffer<std::uint32_t>& triangles() const;
-  std::uint32_t triangleCount() const;
+  const Buffer<std::uint32_t>& triangles() const { return evaluator_.triangles(); }
+  std::uint32_t triangleCount() const { return evaluator_.triangleCount(); }
+
+  /// For whoever moves the control points on the device: x y z each in double, of which controlPoints() are
+  /// the rounded copy that the surface is evaluated from.
+  const Buffer<double>& exactPoints() const { return exact_points_; }
+  SurfaceEvaluator& evaluator() { return evaluator_; }
+  /// The control points in the workspace's frame. \pre no submission is running
+  std::vector<Vec3> downloadControlPoints() const;
+  void uploadControlPoints(const std::vector<Vec3>& points);
 
  private:
-  friend class Sculptor;
-  struct Parts;
-  std::unique_ptr<Parts> parts_;
+  Gpu& gpu_;
+  Vec3 workspace_center_;
+  std::vector<std::vector<int>> cage_faces_;
+  SolveRows solve_rows_;
+  Subdivision subdivision_;
+  SurfaceEvaluator evaluator_;
+  Buffer<double> exact_points_;
+  Buffer<vec3> control_points_;
+  int edits_ = 0;
 };
 
 }  // namespace airclay

@@ -69,7 +69,7 @@ void SurfaceEvaluator::record(Recorder& recorder, const Buffer<vec3>& control_po
   recordNormals(recorder);
 }
 
-void SurfaceEvaluator::recordPoints(Recorder& recorder, const Buffer<vec3>& control_points) {
+SubdivideArgs SurfaceEvaluator::subdivideArgs(const Buffer<vec3>& control_points) const {
   SubdivideArgs args{};
   args.control_points = control_points;
   args.row_starts = row_starts_;
@@ -77,11 +77,20 @@ void SurfaceEvaluator::recordPoints(Recorder& recorder, const Buffer<vec3>& cont
   args.weights = weights_;
   args.data_points = data_points_;
   args.data_point_count = dataPointCount();
-  const GroupRows groups = groupRowsFor(dataPointCount(), kSubdivideWorkgroup);
-  recorder.dispatch(subdivide_, args, groups.x, groups.y);
+  return args;
 }
 
-void SurfaceEvaluator::recordNormals(Recorder& recorder) {
+void SurfaceEvaluator::recordPoints(Recorder& recorder, const Buffer<vec3>& control_points) {
+  const GroupRows groups = pointGroups();
+  recorder.dispatch(subdivide_, subdivideArgs(control_points), groups.x, groups.y);
+}
+
+void SurfaceEvaluator::recordPointsIndirect(Recorder& recorder, const Buffer<vec3>& control_points,
+                                            const RawBuffer& groups, std::uint64_t byte_offset) {
+  recorder.dispatchIndirect(subdivide_, subdivideArgs(control_points), groups, byte_offset);
+}
+
+NormalsArgs SurfaceEvaluator::normalsArgs() const {
   NormalsArgs args{};
   args.data_points = data_points_;
   args.quad_starts = quad_starts_;
@@ -89,8 +98,17 @@ void SurfaceEvaluator::recordNormals(Recorder& recorder) {
   args.quads = quads_;
   args.normals = normals_;
   args.data_point_count = dataPointCount();
-  const GroupRows groups = groupRowsFor(dataPointCount(), kSubdivideWorkgroup);
-  recorder.dispatch(normals_kernel_, args, groups.x, groups.y);
+  return args;
+}
+
+void SurfaceEvaluator::recordNormals(Recorder& recorder) {
+  const GroupRows groups = pointGroups();
+  recorder.dispatch(normals_kernel_, normalsArgs(), groups.x, groups.y);
+}
+
+void SurfaceEvaluator::recordNormalsIndirect(Recorder& recorder, const RawBuffer& groups,
+                                             std::uint64_t byte_offset) {
+  recorder.dispatchIndirect(normals_kernel_, normalsArgs(), groups, byte_offset);
 }
 
 }  // namespace airclay

@@ -46,6 +46,11 @@ class SurfaceEvaluator {
   /// The halves of record().
   void recordPoints(Recorder& recorder, const Buffer<vec3>& control_points);
   void recordNormals(Recorder& recorder);
+  /// The same for as many workgroups as stand on the device: three uints, pointGroups() or none.
+  void recordPointsIndirect(Recorder& recorder, const Buffer<vec3>& control_points, const RawBuffer& groups,
+                            std::uint64_t byte_offset);
+  void recordNormalsIndirect(Recorder& recorder, const RawBuffer& groups, std::uint64_t byte_offset);
+  GroupRows pointGroups() const { return groupRowsFor(dataPointCount(), kSubdivideWorkgroup); }
 
   const Buffer<vec3>& dataPoints() const { return data_points_; }
   /// Unit length; zero where the adjoining faces' normals cancel.
@@ -56,6 +61,9 @@ class SurfaceEvaluator {
   std::uint32_t dataPointCount() const { return static_cast<std::uint32_t>(data_points_.count()); }
 
  private:
+  SubdivideArgs subdivideArgs(const Buffer<vec3>& control_points) const;
+  NormalsArgs normalsArgs() const;
+
   Kernel<SubdivideArgs> subdivide_;
   Kernel<NormalsArgs> normals_kernel_;
   Buffer<std::uint32_t> row_starts_, columns_;
