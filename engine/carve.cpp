@@ -20,6 +20,8 @@ std::uint32_t cube(std::uint32_t x) {
 }
 
 constexpr std::uint32_t kBlockEdges[3] = {kTopVoxels, kBrickVoxels, kBlockVoxels};
+/// Blocks of a level that one invocation classes: all along x that a parent has, but for the topmost.
+constexpr std::uint32_t kRuns[3] = {4, 4, 2};
 
 /// 16: the 4,096 bricks of 128³ make four workgroups; the sums of a workgroup's share fit 32 bits.
 constexpr std::uint32_t kBricksPerInvocation = 16;
@@ -45,13 +47,13 @@ Carver::Carver(Gpu& gpu, const GpuRig& rig, int voxels)
       bricks_edge_(ceilDivide(static_cast<std::uint32_t>(voxels), kBrickVoxels)),
       rows_(gpu, "carve_rows", carve_rows_comp, {kCarveWorkgroup}),
       columns_(gpu, "carve_columns", carve_columns_comp, {kCarveWorkgroup}),
-      top_blocks_(gpu, "carve_blocks_32", carve_blocks_comp, {kCarveWorkgroup, kTopVoxels}),
-      brick_blocks_(gpu, "carve_blocks_8", carve_blocks_comp, {kCarveWorkgroup, kBrickVoxels}),
-      small_blocks_(gpu, "carve_blocks_4", carve_blocks_comp, {kCarveWorkgroup, kBlockVoxels}),
-      voxel_kernel_(gpu, "carve_voxels", carve_voxels_comp, {kCarveWorkgroup}),
+      top_blocks_(gpu, "carve_blocks_32", carve_blocks_comp, {kCarveWorkgroup, kTopVoxels, kRuns[0], rig.lensKinds()}),
+      brick_blocks_(gpu, "carve_blocks_8", carve_blocks_comp, {kCarveWorkgroup, kBrickVoxels, kRuns[1], rig.lensKinds()}),
+      small_blocks_(gpu, "carve_blocks_4", carve_blocks_comp, {kCarveWorkgroup, kBlockVoxels, kRuns[2], rig.lensKinds()}),
+      voxel_kernel_(gpu, "carve_voxels", carve_voxels_comp, {kCarveWorkgroup, rig.lensKinds()}),
       summary_kernel_(gpu, "carve_summary", carve_summary_comp, {kCarveWorkgroup}),
       total_kernel_(gpu, "carve_total", carve_total_comp),
-      tables_(gpu, rig.tableWords()),
+      tables_(gpu, rig.tableWords() / 2),
       brick_states_(gpu, cube(bricks_edge_)),
       words_(gpu, std::size_t(cube(bricks_edge_)) * kBrickWords) {
   for (std::size_t level = 0; level < 3; ++level) {
@@ -69,7 +71,7 @@ void Carver::recordBlocks(Recorder& recorder, const Kernel<CarveBlockArgs>& kern
   const auto at = static_cast<std::size_t>(level);
   CarveBlockArgs args{};
   args.cameras = rig_.cameras();
-  args.tables = tables_;
+  args.tables.address = tables_.raw().address();
   if (level > 0) {
     args.parents = mixed_[at - 1];
     args.parent_count = mixed_count_[at - 1];
@@ -83,9 +85,11 @@ void Carver::recordBlocks(Recorder& recorder, const Kernel<CarveBlockArgs>& kern
   args.voxel_m = static_cast<float>(voxelMetres());
   args.children_edge =
       level == 0 ? ceilDivide(args.voxels, kTopVoxels) : kBlockEdges[at - 1] / kBlockEdges[at];
-  args.grandchildren = level == 2 ? 1 : cube(kBlockEdges[at] / kBlockEdges[at + 1]);
+  args.runs_edge = ceilDivide(args.children_edge, kRuns[at]);
+  // the next level takes a run an invocation, the voxels' kernel a block
+  args.next_invocations = level == 2 ? 1 : cube(kBlockEdges[at] / kBlockEdges[at + 1]) / kRuns[at + 1];
   if (level == 0)
-    recorder.dispatch(kernel, args, groupsFor(cube(args.children_edge), kCarveWorkgroup));
+    recorder.dispatch(kernel, args, groupsFor(args.runs_edge * args.children_edge * args.children_edge, kCarveWorkgroup));
   else
     recorder.dispatchIndirect(kernel, args, mixed_count_[at - 1].raw(), 0);
 }
@@ -96,7 +100,7 @@ void Carver::record(Recorder& recorder, const Buffer<std::uint32_t>& masks) {
 
   CarveTableArgs table{};
   table.cameras = rig_.cameras();
-  table.masks = masks;
+  table.masks.address = masks.raw().address();
   table.tables = tables_;
   table.camera_count = rig_.cameraCount();
   table.max_lines = rig_.maxTileLines();

@@ -60,7 +60,8 @@ class Carver {
   Kernel<CarveVoxelArgs> voxel_kernel_;
   Kernel<CarveSummaryArgs> summary_kernel_;
   Kernel<CarveTotalArgs> total_kernel_;
-  Buffer<std::uint32_t> tables_, brick_states_, words_;
+  Buffer<std::uint64_t> tables_;
+  Buffer<std::uint32_t> brick_states_, words_;
   std::array<Buffer<MixedBlock>, 3> mixed_;  ///< of 32, 8 and 4 voxels
   std::array<Buffer<MixedCount>, 3> mixed_count_;
   std::uint32_t summary_groups_, bricks_per_invocation_;

@@ -5,9 +5,12 @@
 #include <cmath>
 
 #include "engine/error.h"
+#include "shaders/carve_io.h"
 
 namespace airclay {
 namespace {
+
+static_assert(sizeof(GpuCamera) == 160, "lens.glsl loads it by this size");
 
 /// The undistorted position, as GpuCamera measures it, of the ray through a pixel; the lens' limit where none
 /// arrives.
@@ -32,39 +35,38 @@ double farthestVisible(const Camera& camera) {
   return 1.01 * farthest;  // between the samples
 }
 
-/// The largest singular value of the distortion's Jacobian up to `reach`: by central differences on a polar
-/// grid.
-double steepness(const Lens& lens, double reach) {
+/// The largest partial derivatives of the distortion up to `reach`, {of a coordinate by itself, by the other}, by central differences on a
+/// polar grid; of the fisheye, {of the position in the picture by the direction's angle, 0}.
+std::pair<double, double> steepness(const Lens& lens, double reach) {
   Lens unit = lens;
   unit.fx = unit.fy = 1;
   unit.cx = unit.cy = 0;
-  double steepest = 0;
+  const bool fisheye = lens.model == LensModel::kFisheye;
+  double same = 0, cross = 0;
   constexpr int rings = 100, spokes = 16;
   for (int ring = 0; ring <= rings; ++ring)
     for (int spoke = 0; spoke < spokes; ++spoke) {
       const double position = reach * ring / rings, angle = 2 * M_PI * spoke / spokes;
       constexpr double h = 1e-6;
-      // two orthonormal directions of change: outwards, and around the axis
-      const auto at = [&](double out, double around) -> std::optional<Vec2> {
-        Vec3 p;
-        if (lens.model == LensModel::kFisheye) {
-          const double theta = position + out;
-          p = Vec3(std::sin(theta), around, std::cos(theta));
-        } else {
-          p = Vec3(position + out, around, 1);
-        }
+      const Vec2 x = position * Vec2(std::cos(angle), std::sin(angle));
+      const auto at = [&](double dx, double dy) -> std::optional<Vec2> {
+        if (!fisheye) return projectThroughLens(unit, Vec3(x.x() + dx, x.y() + dy, 1));
+        // two orthonormal directions of change: away from the axis, and around it
+        const Vec3 p(std::sin(position + dx), dy, std::cos(position + dx));
         return projectThroughLens(unit, Eigen::AngleAxisd(angle, Vec3::UnitZ()) * p);
       };
-      const auto out0 = at(-h, 0), out1 = at(h, 0), around0 = at(0, -h), around1 = at(0, h);
-      if (!out0 || !out1 || !around0 || !around1) continue;
+      const auto x0 = at(-h, 0), x1 = at(h, 0), y0 = at(0, -h), y1 = at(0, h);
+      if (!x0 || !x1 || !y0 || !y1) continue;
       Eigen::Matrix2d jacobian;
-      jacobian << (*out1 - *out0) / (2 * h), (*around1 - *around0) / (2 * h);
-      // σ₁² of a 2 x 2 matrix from its invariants
-      const double sum = jacobian.squaredNorm(), determinant = jacobian.determinant();
-      const double square = 0.5 * (sum + std::sqrt(std::max(0.0, sum * sum - 4 * determinant * determinant)));
-      steepest = std::max(steepest, std::sqrt(square));
+      jacobian << (*x1 - *x0) / (2 * h), (*y1 - *y0) / (2 * h);
+      if (fisheye) {
+        same = std::max({same, jacobian.col(0).norm(), jacobian.col(1).norm()});
+      } else {
+        same = std::max({same, std::abs(jacobian(0, 0)), std::abs(jacobian(1, 1))});
+        cross = std::max({cross, std::abs(jacobian(0, 1)), std::abs(jacobian(1, 0))});
+      }
     }
-  return 1.02 * steepest;  // between the samples
+  return {1.02 * same, 1.02 * cross};  // between the samples
 }
 
 }  // namespace
@@ -79,14 +81,20 @@ GpuCamera gpuCamera(const Camera& camera, const Workspace& workspace) {
   for (std::size_t i = 0; i < 8; ++i) gpu.distortion[i] = static_cast<float>(lens.distortion[i]);
   const bool straight =
       std::all_of(lens.distortion.begin(), lens.distortion.end(), [](double k) { return k == 0; });
-  gpu.lens = lens.model == LensModel::kFisheye ? kLensFisheye : straight ? kLensPinhole : kLensPerspective;
+  const bool rational = lens.distortion[5] != 0 || lens.distortion[6] != 0 || lens.distortion[7] != 0;
+  gpu.lens = lens.model == LensModel::kFisheye ? kLensFisheye
+             : straight                        ? kLensPinhole
+             : rational                        ? kLensRational
+                                               : kLensPerspective;
   gpu.width = static_cast<std::uint32_t>(camera.width);
   gpu.height = static_cast<std::uint32_t>(camera.height);
   // its square must stay a float
   gpu.limit = static_cast<float>(std::min(lens.monotonic_limit, 1e18));
   const double visible = std::min(farthestVisible(camera), lens.monotonic_limit);
   gpu.visible = static_cast<float>(visible);
-  gpu.steepness = static_cast<float>(steepness(lens, std::min(1.1 * visible, lens.monotonic_limit)));
+  const auto [same, cross] = steepness(lens, std::min(1.1 * visible, lens.monotonic_limit));
+  gpu.steepness = static_cast<float>(same);
+  gpu.cross_steepness = static_cast<float>(cross);
   return gpu;
 }
 
@@ -97,26 +105,40 @@ GpuRig::GpuRig(Gpu& gpu, const Rig& rig) : rig_(rig) {
                 std::to_string(kMaxCameras));
   for (const Camera& camera : rig.cameras) {
     GpuCamera c = gpuCamera(camera, rig.workspace);
-    c.row_words = (c.width + 31) / 32;
+    c.row_words = (c.width + 63) / 64 * 2;
     c.mask_words = mask_words_;
-    // tiles of 4 pixels: below them the tables cost more than the voxels that they save
+    // tiles of 4 pixels: below them the tables cost more than the voxels that they save; more where a camera's tiles would pass 16 bits
     c.tile = 4;
+    while (((c.width + c.tile - 1) / c.tile) * ((c.height + c.tile - 1) / c.tile) > 0xFFFF) c.tile *= 2;
     c.tiles_x = (c.width + c.tile - 1) / c.tile;
     c.tiles_y = (c.height + c.tile - 1) / c.tile;
     c.table_words = table_words_;
     c.picture_words = picture_words_;
     c.pixels_before = pixels_;
-    picture_words_ += (3 * c.width * c.height + 3) / 4;
+    picture_words_ += (3 * c.width * c.height + 7) / 8 * 2;
     pixels_ += c.width * c.height;
     max_pixels_ = std::max(max_pixels_, c.width * c.height);
     mask_words_ += c.row_words * c.height;
-    table_words_ += 2 * (c.tiles_x + 1) * (c.tiles_y + 1);
+    table_words_ += tableStride(c.tiles_x) * (c.tiles_y + 1);
     max_rows_ = std::max(max_rows_, c.height);
     max_row_words_ = std::max(max_row_words_, c.row_words);
     max_tile_lines_ = std::max({max_tile_lines_, c.tiles_x, c.tiles_y});
     host_cameras_.push_back(c);
   }
   cameras_ = Buffer<GpuCamera>(gpu, host_cameras_);
+}
+
+std::array<std::uint32_t, 2> GpuRig::sameSize() const {
+  const GpuCamera& first = host_cameras_.front();
+  for (const GpuCamera& camera : host_cameras_)
+    if (camera.width != first.width || camera.height != first.height) return {0, 0};
+  return {first.width, first.height};
+}
+
+std::uint32_t GpuRig::lensKinds() const {
+  std::uint32_t kinds = 0;
+  for (const GpuCamera& camera : host_cameras_) kinds |= 1u << camera.lens;
+  return kinds;
 }
 
 void GpuRig::pack(const std::vector<Mask>& masks, std::span<std::uint32_t> words) const {

@@ -47,6 +47,11 @@ class GpuRig {
   std::uint32_t maxRowWords() const { return max_row_words_; }
   std::uint32_t maxTileLines() const { return max_tile_lines_; }
 
+  /// The size that all cameras share, {0, 0} where they differ: specialization constants 1 and 2 of picture.glsl.
+  std::array<std::uint32_t, 2> sameSize() const;
+  /// Bits of the kinds of lens there are: lens.glsl's kLenses.
+  std::uint32_t lensKinds() const;
+
   /// Packs masks, one a camera, one bit a pixel. \pre sizes are the cameras'
   void pack(const std::vector<Mask>& masks, std::span<std::uint32_t> words) const;
   /// The inverse of pack().

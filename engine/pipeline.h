@@ -11,6 +11,7 @@
 #include <string>
 
 #include "engine/carve.h"
+#include "engine/clay.h"
 #include "engine/fit.h"
 #include "engine/hand_model.h"
 #include "engine/silhouette.h"
@@ -18,9 +19,6 @@
 #include "engine/subdivide.h"
 
 namespace airclay {
-
-class Clay;
-class HandFitter;
 
 struct PipelineOptions {
   int voxels = 128;  ///< along the workspace's edge
@@ -51,8 +49,10 @@ struct FrameResult {
   HandState hand = HandState::kEmpty;
   HandFit fit;                ///< meaningful unless kEmpty
   ClayStep clay;
+  bool searched = false;      ///< the hand was looked for all around: such a frame takes longer
   double frame_ms = 0;        ///< wall time from pixels in memory to the result
-  std::vector<std::pair<std::string, double>> stage_ms;  ///< on the device, disjoint, by name
+  /// On the device, disjoint, by name: silhouette, carve, fit, and with clay: clay.
+  std::vector<std::pair<std::string, double>> stage_ms;
 };
 
 class Pipeline {
@@ -61,12 +61,15 @@ class Pipeline {
   Pipeline(Gpu& gpu, const Rig& rig, const HandModel& hand, const PipelineOptions& options = {},
            const std::optional<ClayOptions>& clay = std::nullopt);
   ~Pipeline();
+  Pipeline(const Pipeline&) = delete;
+  Pipeline& operator=(const Pipeline&) = delete;
 
   /// Where camera `camera`'s next picture goes: tightly packed BGR, 3 bytes a pixel, in memory that the kernels read.
   std::span<std::uint8_t> picture(std::size_t camera);
   /// The pictures now in memory show the empty workspace.
   void learnBackground();
-  /// The pictures now in memory, through all stages. `held` is the clutch: false leaves the clay alone. \pre learnBackground() was called
+  /// The pictures now in memory, through all stages. `held` is the clutch: false leaves the clay alone.
+  /// \pre learnBackground() was called
   FrameResult processPictures(bool held = true);
   /// The same from masks that are used as they are, one a camera.
   FrameResult processMasks(const std::vector<Mask>& masks, bool held = true);

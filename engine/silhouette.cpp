@@ -16,6 +16,14 @@
 #include "shaders/segment.comp.h"
 
 namespace airclay {
+namespace {
+
+std::vector<std::uint32_t> constants(const GpuRig& rig) {
+  const auto [width, height] = rig.sameSize();
+  return {kSilhouetteWorkgroup, width, height};
+}
+
+}  // namespace
 
 std::uint32_t largestHole(int picture_width) {
   return std::max<std::uint32_t>(4, static_cast<std::uint32_t>(100LL * picture_width * picture_width / (640 * 640)));
@@ -24,16 +32,16 @@ std::uint32_t largestHole(int picture_width) {
 Silhouettes::Silhouettes(Gpu& gpu, const GpuRig& rig)
     : gpu_(gpu),
       rig_(rig),
-      add_(gpu, "background_add", background_add_comp, {kSilhouetteWorkgroup}),
-      finish_(gpu, "background_finish", background_finish_comp, {kSilhouetteWorkgroup}),
-      segment_(gpu, "segment", segment_comp, {kSilhouetteWorkgroup}),
-      edges_(gpu, "edges", edges_comp, {kSilhouetteWorkgroup}),
-      majority_(gpu, "majority", majority_comp, {kSilhouetteWorkgroup}),
-      find_(gpu, "runs_find", runs_find_comp, {kSilhouetteWorkgroup}),
-      join_(gpu, "runs_join", runs_join_comp, {kSilhouetteWorkgroup}),
-      measure_(gpu, "runs_measure", runs_measure_comp, {kSilhouetteWorkgroup}),
-      largest_kernel_(gpu, "runs_largest", runs_largest_comp, {kSilhouetteWorkgroup}),
-      write_(gpu, "runs_write", runs_write_comp, {kSilhouetteWorkgroup}),
+      add_(gpu, "background_add", background_add_comp, constants(rig)),
+      finish_(gpu, "background_finish", background_finish_comp, constants(rig)),
+      segment_(gpu, "segment", segment_comp, constants(rig)),
+      edges_(gpu, "edges", edges_comp, constants(rig)),
+      majority_(gpu, "majority", majority_comp, constants(rig)),
+      find_(gpu, "runs_find", runs_find_comp, constants(rig)),
+      join_(gpu, "runs_join", runs_join_comp, constants(rig)),
+      measure_(gpu, "runs_measure", runs_measure_comp, constants(rig)),
+      largest_kernel_(gpu, "runs_largest", runs_largest_comp, constants(rig)),
+      write_(gpu, "runs_write", runs_write_comp, constants(rig)),
       levels_(gpu, std::size_t(kScoreLevels) * rig.maskWords()),
       segmented_(gpu, rig.maskWords()),
       majority_mask_(gpu, rig.maskWords()),

@@ -2,13 +2,14 @@
 // SPDX-License-Identifier: MIT
 // Mean and spread of every pixel of the empty workspace, from the sums over its frames: one invocation a pixel.
 #extension GL_GOOGLE_include_directive : require
+#include "shaders/picture.glsl"
 #include "shaders/silhouette_io.h"
 
 layout(local_size_x_id = 0) in;
 layout(push_constant, scalar) uniform Push { BackgroundArgs args; };
 
 void main() {
-  const GpuCamera camera = args.cameras.at[gl_WorkGroupID.y];
+  const Picture camera = pictureOf(args.cameras, gl_WorkGroupID.y);
   const uint pixel = gl_GlobalInvocationID.x;
   if (pixel >= camera.width * camera.height) return;
   const uint at = kLearnSums * (camera.pixels_before + pixel);

@@ -1,14 +1,19 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// Coarse to fine: one invocation classes one block as empty, full or mixed, by what every camera says of the ball around it.
+// Coarse to fine: one invocation classes a run of blocks as empty, full or mixed, by what every camera says of where they project to. A camera is
+// loaded once for the run: its twenty loads cost more than a verdict.
 #extension GL_GOOGLE_include_directive : require
-#extension GL_EXT_control_flow_attributes : require
+#include "shaders/camera_io.h"
+layout(constant_id = 3) const uint kLenses = 15;
 #include "shaders/lens.glsl"
 #include "shaders/occupancy.glsl"
 
 layout(local_size_x_id = 0) in;
 layout(constant_id = 1) const uint kSize = 8;  // voxels along a block's edge: 32, 8 or 4
+layout(constant_id = 2) const uint kRun = 4;   // blocks an invocation, along x
 layout(push_constant, scalar) uniform Push { CarveBlockArgs args; };
+
+const uint kLongestRun = 4;
 
 // What a camera says of a block as a whole.
 const uint kUnseen = 0;     // no voxel of it is seen
@@ -16,31 +21,34 @@ const uint kOutside = 1;    // all is seen, nothing in the silhouette
 const uint kInside = 2;     // all is seen, all in the silhouette
 const uint kUndecided = 3;
 
-uint tableSum(uint at, uint stride, uvec2 low, uvec2 high) {
-  return args.tables.at[at + high.y * stride + high.x] - args.tables.at[at + low.y * stride + high.x] -
-         args.tables.at[at + high.y * stride + low.x] + args.tables.at[at + low.y * stride + low.x];
-}
+// `center` in camera coordinates; the block's voxel centres lie within `half_size` of it along each axis of the workspace (metres).
+uint verdict(GpuCamera camera, vec3 center, float half_size) {
+  const mat3 axes = camera.rotation;  // of the workspace, in camera coordinates
+  const float depth = half_size * (abs(axes[0].z) + abs(axes[1].z) + abs(axes[2].z));
+  if (center.z <= -depth) return kUnseen;
+  if (center.z <= depth) return kUndecided;
 
-// `center` in camera coordinates; all voxel centres of the block lie within `radius` of it (metres).
-uint verdict(GpuCamera camera, vec3 center, float radius) {
-  if (center.z <= -radius) return kUnseen;
-  if (center.z <= radius) return kUndecided;
-
-  // How far from the centre's direction the others lie: as a change of the undistorted position.
+  // How far from the centre's direction the others lie, as a change of the undistorted position, and with it of the pixel.
   float position, deviation;
-  if (camera.lens == kLensFisheye) {
+  vec2 reach;
+  if (rigHas(kLensFisheye) && camera.lens == kLensFisheye) {
     position = atan(length(center.xy), center.z);
-    deviation = asin(min(radius / length(center), 1.0));
+    deviation = asin(min(half_size * 1.7320508 / length(center), 1.0));
+    reach = camera.focal * (camera.steepness * deviation);
   } else {
-    // (x + δx) / (z + δz) - x / z = (δx - x/z δz) / (z + δz), |δ| <= radius
-    position = length(center.xy) / center.z;
-    deviation = radius * sqrt(1 + position * position) / (center.z - radius);
+    // (x + δx) / (z + δz) - x / z = (δx - x/z δz) / (z + δz), with δ = Σ e_k axes[k] and |e_k| <= half_size
+    const vec2 x = center.xy / center.z;
+    const vec2 across = (abs(axes[0].xy - x * axes[0].z) + abs(axes[1].xy - x * axes[1].z) + abs(axes[2].xy - x * axes[2].z)) *
+                        (half_size / (center.z - depth));
+    position = length(x);
+    deviation = length(across);
+    reach = camera.focal * (camera.steepness * across + camera.cross_steepness * across.yx);
   }
   if (position - deviation > camera.visible) return kUnseen;
   if (position + deviation > min(camera.limit, 1.1 * camera.visible)) return kUndecided;
 
   const vec2 pixel = projectThroughLens(camera, center).pixel;
-  const vec2 reach = camera.focal * (camera.steepness * deviation) + 0.01;  // float's rounding, generously
+  reach += 0.01;  // float's rounding, generously
   const vec2 low = pixel - reach, high = pixel + reach;
   const vec2 size = vec2(camera.width, camera.height);
   if (any(lessThan(high, vec2(-0.5))) || any(greaterThanEqual(low, size - 0.5))) return kUnseen;
@@ -49,11 +57,13 @@ uint verdict(GpuCamera camera, vec3 center, float radius) {
 
   const uvec2 first = uvec2(floor(low + 0.5)) / camera.tile;
   const uvec2 end = uvec2(floor(high + 0.5)) / camera.tile + 1;
-  const uint stride = camera.tiles_x + 1;
-  if (tableSum(camera.table_words, stride, first, end) == 0) return kOutside;
-  const uint all_at = camera.table_words + stride * (camera.tiles_y + 1);
+  const uint stride = tableStride(camera.tiles_x);
+  const uint top = camera.table_words + first.y * stride, bottom = camera.table_words + end.y * stride;
+  const uint sum = args.tables.at[bottom + end.x] - args.tables.at[top + end.x] - args.tables.at[bottom + first.x] +
+                   args.tables.at[top + first.x];
   const uvec2 extent = end - first;
-  return tableSum(all_at, stride, first, end) == extent.x * extent.y ? kInside : kUndecided;
+  if (sum >> 16 == 0) return kOutside;
+  return (sum & 0xFFFFu) == extent.x * extent.y ? kInside : kUndecided;
 }
 
 void writeUniform(uvec3 block, bool full) {
@@ -74,10 +84,22 @@ void writeUniform(uvec3 block, bool full) {
   }
 }
 
+// Goes on the list that the next kernel treats. Its order varies from run to run; what is written for each block does not.
+void append(uvec3 corner, uint undecided, uint seen) {
+  if (kSize == kBrickVoxels) {
+    const uint bricks_edge = (args.voxels + kBrickVoxels - 1) / kBrickVoxels;
+    args.brick_states.at[brickIndex(corner, bricks_edge)] = kBrickMixed;
+  }
+  const uint slot = atomicAdd(args.mixed_count.at[0].count, 1);
+  const uint invocations = (slot + 1) * args.next_invocations;
+  atomicMax(args.mixed_count.at[0].groups_x, (invocations + kCarveWorkgroup - 1) / kCarveWorkgroup);
+  args.mixed.at[slot] = MixedBlock(corner.x | corner.y << 10 | corner.z << 20, undecided, seen);
+}
+
 void main() {
-  const uint children = args.children_edge * args.children_edge * args.children_edge;
-  const uint parent_index = gl_GlobalInvocationID.x / children;
-  const uint child = gl_GlobalInvocationID.x % children;
+  const uint runs = args.runs_edge * args.children_edge * args.children_edge;
+  const uint parent_index = gl_GlobalInvocationID.x / runs;
+  const uint run = gl_GlobalInvocationID.x % runs;
   const bool top = kSize == kTopVoxels;
   if (parent_index >= (top ? 1 : args.parent_count.at[0].count)) return;
 
@@ -91,42 +113,43 @@ void main() {
     parent_corner = uvec3(block.low_corner, block.low_corner >> 10, block.low_corner >> 20) & 1023u;
   }
   const uvec3 corner = parent_corner * args.children_edge +
-                       uvec3(child, child / args.children_edge, child / (args.children_edge * args.children_edge)) %
-                           args.children_edge;
-  const uvec3 low_voxel = corner * kSize;
-  if (any(greaterThanEqual(low_voxel, uvec3(args.voxels)))) {  // behind the cube's high side
-    const uint bricks_edge = (args.voxels + kBrickVoxels - 1) / kBrickVoxels;
-    if (all(lessThan(low_voxel / kBrickVoxels, uvec3(bricks_edge)))) writeUniform(corner, false);
-    return;
-  }
+                       uvec3(run % args.runs_edge * kRun, run / args.runs_edge % args.children_edge,
+                             run / (args.runs_edge * args.children_edge));
+  const vec3 center = args.voxel_m * (vec3(corner * kSize) + 0.5 * float(kSize) - 0.5 * float(args.voxels));
+  const float half_size = args.voxel_m * (0.5 * float(kSize - 1));
 
-  const vec3 center = args.voxel_m * (vec3(low_voxel) + 0.5 * float(kSize) - 0.5 * float(args.voxels));
-  const float radius = args.voxel_m * (0.5 * float(kSize - 1)) * 1.7320508;
-  uint undecided = 0, seen = block.seen;
-  bool empty = false;
-  for (uint cameras = block.cameras; cameras != 0 && !empty; cameras &= cameras - 1) {
+  uint undecided[kLongestRun], seen[kLongestRun];
+  bool empty[kLongestRun];
+  for (uint i = 0; i < kRun; ++i) {
+    undecided[i] = 0;
+    seen[i] = block.seen;
+    empty[i] = false;
+  }
+  for (uint cameras = block.cameras; cameras != 0; cameras &= cameras - 1) {
     const uint index = findLSB(cameras);
-    const GpuCamera camera = args.cameras.at[index];
-    const uint says = verdict(camera, camera.rotation * center + camera.translation, radius);
-    empty = says == kOutside;
-    seen += says == kInside ? 1 : 0;
-    undecided |= says == kUndecided ? 1u << index : 0;
-  }
-  // whatever the undecided ones find, fewer than two cameras will see it
-  empty = empty || seen + bitCount(undecided) < 2;
-  const bool cut = any(greaterThan(low_voxel + kSize, uvec3(args.voxels)));
-  if (empty || (undecided == 0 && !cut)) {
-    writeUniform(corner, !empty);
-    return;
+    const GpuCamera camera = loadCamera(args.cameras, index);
+    const vec3 origin = camera.rotation * center + camera.translation;
+    const vec3 step = camera.rotation[0] * (args.voxel_m * float(kSize));
+    for (uint i = 0; i < kRun; ++i) {
+      const uint says = verdict(camera, origin + float(i) * step, half_size);
+      empty[i] = empty[i] || says == kOutside;
+      seen[i] += says == kInside ? 1 : 0;
+      undecided[i] |= says == kUndecided ? 1u << index : 0;
+    }
   }
 
-  if (kSize == kBrickVoxels) {
-    const uint bricks_edge = (args.voxels + kBrickVoxels - 1) / kBrickVoxels;
-    args.brick_states.at[brickIndex(corner, bricks_edge)] = kBrickMixed;
+  for (uint i = 0; i < kRun; ++i) {
+    const uvec3 mine = corner + uvec3(i, 0, 0);
+    const uvec3 low_voxel = mine * kSize;
+    if (any(greaterThanEqual(low_voxel, uvec3(args.voxels)))) {  // behind the cube's high side
+      const uint bricks_edge = (args.voxels + kBrickVoxels - 1) / kBrickVoxels;
+      if (all(lessThan(low_voxel / kBrickVoxels, uvec3(bricks_edge)))) writeUniform(mine, false);
+      continue;
+    }
+    // whatever the undecided ones find, fewer than two cameras will see it
+    const bool none = empty[i] || seen[i] + bitCount(undecided[i]) < 2;
+    const bool cut = any(greaterThan(low_voxel + kSize, uvec3(args.voxels)));
+    if (none || (undecided[i] == 0 && !cut)) writeUniform(mine, !none);
+    else append(mine, undecided[i], seen[i]);
   }
-  // The list's order varies from run to run; what is written for each block does not.
-  const uint slot = atomicAdd(args.mixed_count.at[0].count, 1);
-  const uint invocations = (slot + 1) * args.grandchildren;
-  atomicMax(args.mixed_count.at[0].groups_x, (invocations + kCarveWorkgroup - 1) / kCarveWorkgroup);
-  args.mixed.at[slot] = MixedBlock(corner.x | corner.y << 10 | corner.z << 20, undecided, seen);
 }

@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// Summed-area tables of the masks, second half: one invocation a column of tiles.
+// Summed-area tables of the masks, second half: one invocation two columns of tiles.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/carve_io.h"
 
@@ -11,19 +11,16 @@ void main() {
   const uint line = gl_GlobalInvocationID.x;
   const uint camera_index = line / args.max_lines;
   if (camera_index >= args.camera_count) return;
-  const GpuCamera camera = args.cameras.at[camera_index];
-  const uint column = line % args.max_lines + 1;  // column 0 is zeros
-  if (column > camera.tiles_x) return;
+  const uint pair = line % args.max_lines;
+  const uint pairs = tableStride(args.cameras.at[camera_index].tiles_x) / 2;
+  if (pair >= pairs) return;
 
-  const uint stride = camera.tiles_x + 1;
-  const uint plane = stride * (camera.tiles_y + 1);
-  uint any_sum = 0, all_sum = 0;
-  uint at = camera.table_words + column;
-  for (uint y = 0; y < camera.tiles_y; ++y) {
-    at += stride;
-    any_sum += args.tables.at[at];
-    all_sum += args.tables.at[at + plane];
-    args.tables.at[at] = any_sum;
-    args.tables.at[at + plane] = all_sum;
+  uvec2 sum = uvec2(0);
+  uint at = args.cameras.at[camera_index].table_words / 2 + pair;
+  const uint tiles_y = args.cameras.at[camera_index].tiles_y;
+  for (uint y = 0; y < tiles_y; ++y) {
+    at += pairs;
+    sum += unpackUint2x32(args.tables.at[at]);
+    args.tables.at[at] = packUint2x32(sum);
   }
 }

@@ -53,22 +53,30 @@ WRITE_POINTER(WriteHullSummaries, HullSummary)
 
 READ_POINTER(ReadUlongs, uint64_t)
 WRITE_POINTER(WriteUlongs, uint64_t)
+READ_WRITE_POINTER(ReadWriteUlongs, uint64_t)
+
+// Entries a row of a table: even, so that two entries can be read as one.
+#ifdef __cplusplus
+inline
+#endif
+uint tableStride(uint tiles_x) { return (tiles_x + 2) / 2 * 2; }
 
 // Workgroup size of all but the summary's second step.
 const uint kCarveWorkgroup = 64;
 
 // carve_rows: for each tile of each mask whether any and whether all of its pixels are set; sums along tile rows.
-// carve_columns: the sums down the columns: summed-area tables (Crow 1984) with a leading row and column of zeros.
-// A camera has two tables behind each other, `any` then `all`, (tiles_x + 1) x (tiles_y + 1) each.
+// carve_columns: the sums down the columns: a summed-area table (Crow 1984) with a leading row and column of zeros. An entry counts the `any` tiles
+// in its high half and the `all` tiles in its low half; sums and differences of entries are right in both halves, for none exceeds 16 bits.
 struct CarveTableArgs {
   ReadCameras cameras;
-  ReadUints masks;
-  ReadWriteUints tables;
+  ReadUlongs masks;         // two words at a time
+  ReadWriteUlongs tables;   // two entries at a time
   uint camera_count;
   uint max_lines;  // the largest number of tile rows (columns) of a camera
 };
 
-// carve_blocks: classes the children of mixed blocks. Specialization constant 1: voxels along a child's edge.
+// carve_blocks: classes the children of mixed blocks, a run of children along x an invocation.
+// Specialization constants: 1 voxels along a child's edge, 2 children in a run.
 struct CarveBlockArgs {
   ReadCameras cameras;
   ReadUints tables;
@@ -81,8 +89,9 @@ struct CarveBlockArgs {
   uint camera_count;
   uint voxels;          // N
   float voxel_m;
-  uint children_edge;   // children along a parent's edge
-  uint grandchildren;   // of a child: how many the next kernel treats
+  uint runs_edge;       // runs along x in a parent
+  uint children_edge;   // children along a parent's y and z
+  uint next_invocations;  // that a child means for the next kernel
 };
 
 // carve_voxels: every voxel of the mixed 4³ blocks.

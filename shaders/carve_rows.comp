@@ -1,60 +1,55 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// Summed-area tables of the masks, first half: one invocation a row of tiles.
+// Summed-area tables of the masks, first half: one invocation a row of tiles, 64 pixels at a time.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/carve_io.h"
 
 layout(local_size_x_id = 0) in;
 layout(push_constant, scalar) uniform Push { CarveTableArgs args; };
 
-// Bit i of the result: whether bits i·tile … i·tile + tile - 1 of `word` are all (any: pass the complement, complement the result) set.
-uint tilesAllSet(uint word, uint tile) {
-  uint folded = word;
-  for (uint shift = 1; shift < tile; shift <<= 1) folded &= folded >> shift;
-  return folded;
+// Bit i · tile of the result: whether bits i · tile … (i + 1) · tile - 1 are all set.
+uint64_t allOfTile(uint64_t bits, uint tile) {
+  for (uint shift = 1; shift < tile; shift <<= 1) bits &= bits >> shift;
+  return bits;
 }
 
 void main() {
   const uint line = gl_GlobalInvocationID.x;
   const uint camera_index = line / args.max_lines;
   if (camera_index >= args.camera_count) return;
-  const GpuCamera camera = args.cameras.at[camera_index];
   const uint row = line % args.max_lines;
-  if (row >= camera.tiles_y) return;
+  const uint tiles_y = args.cameras.at[camera_index].tiles_y;
+  if (row >= tiles_y) return;
+  const uint tiles_x = args.cameras.at[camera_index].tiles_x, tile = args.cameras.at[camera_index].tile;
+  const uint width = args.cameras.at[camera_index].width, height = args.cameras.at[camera_index].height;
+  const uint row_words = args.cameras.at[camera_index].row_words;
 
-  const uint stride = camera.tiles_x + 1;
-  const uint plane = stride * (camera.tiles_y + 1);
-  const uint any_at = camera.table_words + (row + 1) * stride;
-  const uint all_at = any_at + plane;
+  const uint pairs = tableStride(tiles_x) / 2;
+  const uint table = args.cameras.at[camera_index].table_words / 2;
   if (row == 0)
-    for (uint x = 0; x < stride; ++x) {
-      args.tables.at[camera.table_words + x] = 0;
-      args.tables.at[camera.table_words + plane + x] = 0;
-    }
-  args.tables.at[any_at] = 0;
-  args.tables.at[all_at] = 0;
+    for (uint x = 0; x < pairs; ++x) args.tables.at[table + x] = 0ul;
+  uint at = table + (row + 1) * pairs;
 
-  const uint y_end = min((row + 1) * camera.tile, camera.height);
-  const uint tiles_a_word = 32 / camera.tile;
-  uint any_sum = 0, all_sum = 0, x = 0;
-  for (uint w = 0; w < camera.row_words; ++w) {
-    uint any_bits = 0, all_bits = ~0u;
-    for (uint y = row * camera.tile; y < y_end; ++y) {
-      const uint word = args.masks.at[camera.mask_words + y * camera.row_words + w];
+  const uint mask = (args.cameras.at[camera_index].mask_words + row * tile * row_words) / 2;
+  const uint rows = min(tile, height - row * tile);
+  uint sum = 0, even = 0, x = 0;  // entry 0 is the column of zeros; `even` waits for its odd neighbour
+  for (uint w = 0; w < row_words / 2; ++w) {
+    uint64_t any_bits = 0ul, all_bits = ~0ul;
+    for (uint y = 0; y < rows; ++y) {
+      const uint64_t word = args.masks.at[mask + y * (row_words / 2) + w];
       any_bits |= word;
       all_bits &= word;
     }
     // pixels behind the right edge do not exist: they keep no tile from being all set
-    const uint pixels = camera.width - 32 * w;
-    if (pixels < 32) all_bits |= ~0u << pixels;
-    const uint none = tilesAllSet(~any_bits, camera.tile);
-    const uint all = tilesAllSet(all_bits, camera.tile);
-    for (uint t = 0; t < tiles_a_word && x < camera.tiles_x; ++t) {
-      any_sum += ~none >> (t * camera.tile) & 1u;
-      all_sum += all >> (t * camera.tile) & 1u;
+    const uint pixels = width - 64 * w;
+    if (pixels < 64) all_bits |= ~0ul << pixels;
+    const uint64_t none = allOfTile(~any_bits, tile), all = allOfTile(all_bits, tile);
+    for (uint bit = 0; bit < 64 && x < tiles_x; bit += tile) {
+      sum += (uint(~none >> bit) & 1u) << 16 | (uint(all >> bit) & 1u);
       ++x;
-      args.tables.at[any_at + x] = any_sum;
-      args.tables.at[all_at + x] = all_sum;
+      if ((x & 1u) != 0) args.tables.at[at++] = packUint2x32(uvec2(even, sum));
+      even = sum;
     }
   }
+  if ((x & 1u) == 0) args.tables.at[at] = packUint2x32(uvec2(even, even));
 }

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: MIT
 // The finest step: one invocation asks the undecided cameras about each of the 64 voxels of a mixed 4³ block.
 #extension GL_GOOGLE_include_directive : require
+#include "shaders/camera_io.h"
+layout(constant_id = 1) const uint kLenses = 15;
 #include "shaders/lens.glsl"
 #include "shaders/occupancy.glsl"
 
@@ -21,7 +23,7 @@ void main() {
   uint twice[2] = {block.seen >= 2 ? ~0u : 0u, block.seen >= 2 ? ~0u : 0u};
 
   for (uint cameras = block.cameras; cameras != 0 && (alive[0] | alive[1]) != 0; cameras &= cameras - 1) {
-    const GpuCamera camera = args.cameras.at[findLSB(cameras)];
+    const GpuCamera camera = loadCamera(args.cameras, findLSB(cameras));
     const vec3 origin = camera.rotation * low_center + camera.translation;
     const mat3 step = camera.rotation * args.voxel_m;
     const vec2 size = vec2(camera.width, camera.height);

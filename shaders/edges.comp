@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: MIT
 // Where the object ends: pixels whose score is less than half of one nearby are the smear of an edge. 32 pixels an invocation.
 #extension GL_GOOGLE_include_directive : require
+#include "shaders/picture.glsl"
 #include "shaders/silhouette_io.h"
 
 layout(local_size_x_id = 0) in;
@@ -10,7 +11,7 @@ layout(push_constant, scalar) uniform Push { EdgeArgs args; };
 const int kReach = 1;  // pixels: chroma is coded at half the resolution
 
 void main() {
-  const GpuCamera camera = args.cameras.at[gl_WorkGroupID.y];
+  const Picture camera = pictureOf(args.cameras, gl_WorkGroupID.y);
   const uint y = gl_GlobalInvocationID.x / camera.row_words, w = gl_GlobalInvocationID.x % camera.row_words;
   if (y >= camera.height) return;
   const uint own = camera.mask_words + y * camera.row_words + w;

@@ -1,44 +1,88 @@
 // SPDX-License-Identifier: MIT
 // OpenCV's lens models (its calib3d manual) on the GPU; the CPU twin is engine/lens.cpp.
+//
+// Which kinds of lens the rig has is a specialization constant of the including shader, kLenses, a bit a kind: software devices run
+// both sides of a branch, so what no camera needs must not be there at all.
 
 #include "shaders/camera_io.h"
+
+READ_POINTER(ReadCameraWords, uint64_t)
+
+vec2 pairAt(ReadCameraWords words, uint index) { return uintBitsToFloat(unpackUint2x32(words.at[index])); }
+
+// A camera by loads of two words. The order is GpuCamera's.
+GpuCamera loadCamera(ReadCameras cameras, uint index) {
+  ReadCameraWords words = ReadCameraWords(uint64_t(cameras) + 160ul * index);
+  GpuCamera camera;
+  const vec2 r0 = pairAt(words, 0), r1 = pairAt(words, 1), r2 = pairAt(words, 2), r3 = pairAt(words, 3),
+             r4 = pairAt(words, 4), r5 = pairAt(words, 5);
+  camera.rotation = mat3(r0.x, r0.y, r1.x, r1.y, r2.x, r2.y, r3.x, r3.y, r4.x);
+  camera.translation = vec3(r4.y, r5);
+  camera.focal = pairAt(words, 6);
+  camera.center = pairAt(words, 7);
+  for (uint i = 0; i < 4; ++i) {
+    const vec2 pair = pairAt(words, 8 + i);
+    camera.distortion[2 * i] = pair.x;
+    camera.distortion[2 * i + 1] = pair.y;
+  }
+  const vec2 range = pairAt(words, 12), steep = pairAt(words, 13);
+  camera.limit = range.x;
+  camera.visible = range.y;
+  camera.steepness = steep.x;
+  camera.cross_steepness = steep.y;
+  const uvec2 size = unpackUint2x32(words.at[14]), kind = unpackUint2x32(words.at[15]), tiles = unpackUint2x32(words.at[16]),
+              rows = unpackUint2x32(words.at[17]), masks = unpackUint2x32(words.at[18]);
+  camera.width = size.x;
+  camera.height = size.y;
+  camera.lens = kind.x;
+  camera.tile = kind.y;
+  camera.tiles_x = tiles.x;
+  camera.tiles_y = tiles.y;
+  camera.table_words = rows.x;
+  camera.row_words = rows.y;
+  camera.mask_words = masks.x;
+  camera.picture_words = masks.y;
+  return camera;
+}
+
+bool rigHas(uint lens) { return (kLenses >> lens & 1u) != 0; }
 
 struct Projection {
   vec2 pixel;
   bool valid;  // before the camera and within the lens model's monotonic range
 };
 
-// The distorted normalized position of `p` in camera coordinates. Undefined unless valid.
-Projection distorted(GpuCamera camera, vec3 p) {
-  Projection result;
-  if (camera.lens == kLensFisheye) {
-    const float r = length(p.xy);
-    const float theta = atan(r, p.z);
-    const float t2 = theta * theta;
-    const float scale = 1 + t2 * (camera.distortion[0] + t2 * (camera.distortion[1] +
-                            t2 * (camera.distortion[2] + t2 * camera.distortion[3])));
-    // θ_d / r tends to 1 / z on the axis
-    result.pixel = r > 1e-12 * p.z ? p.xy * (theta * scale / r) : p.xy / p.z;
-    result.valid = p.z > 0 && theta <= camera.limit;
-    return result;
-  }
-  const vec2 x = p.xy / p.z;
-  result.pixel = x;
-  result.valid = p.z > 0;
-  if (camera.lens == kLensPinhole) return result;
-  const float r2 = dot(x, x);
-  const float radial = (1 + r2 * (camera.distortion[0] + r2 * (camera.distortion[1] + r2 * camera.distortion[4]))) /
-                       (1 + r2 * (camera.distortion[5] + r2 * (camera.distortion[6] + r2 * camera.distortion[7])));
-  const float p1 = camera.distortion[2], p2 = camera.distortion[3];
-  result.pixel = x * radial + vec2(2 * p1 * x.x * x.y + p2 * (r2 + 2 * x.x * x.x),
-                                   p1 * (r2 + 2 * x.y * x.y) + 2 * p2 * x.x * x.y);
-  result.valid = result.valid && r2 <= camera.limit * camera.limit;
-  return result;
+Projection projectFisheye(GpuCamera camera, vec3 p) {
+  const float r = length(p.xy);
+  const float theta = atan(r, p.z);
+  const float t2 = theta * theta;
+  const float scale = 1 + t2 * (camera.distortion[0] + t2 * (camera.distortion[1] +
+                          t2 * (camera.distortion[2] + t2 * camera.distortion[3])));
+  // θ_d / r tends to 1 / z on the axis
+  const vec2 x = r > 1e-12 * p.z ? p.xy * (theta * scale / r) : p.xy / p.z;
+  return Projection(camera.focal * x + camera.center, p.z > 0 && theta <= camera.limit);
 }
 
-// Where a point in camera coordinates falls, in pixels, inside the picture or not.
+Projection projectPerspective(GpuCamera camera, vec3 p) {
+  vec2 x = p.xy / p.z;
+  bool valid = p.z > 0;
+  if (rigHas(kLensPerspective) || rigHas(kLensRational)) {  // a pinhole's coefficients are zero: the polynomials leave it alone
+    const float r2 = dot(x, x);
+    float radial = 1 + r2 * (camera.distortion[0] + r2 * (camera.distortion[1] + r2 * camera.distortion[4]));
+    if (rigHas(kLensRational))
+      radial /= 1 + r2 * (camera.distortion[5] + r2 * (camera.distortion[6] + r2 * camera.distortion[7]));
+    const float p1 = camera.distortion[2], p2 = camera.distortion[3];
+    const float twice_xy = 2 * x.x * x.y;
+    const vec2 tangential = vec2(p1 * twice_xy + p2 * (r2 + 2 * x.x * x.x), p1 * (r2 + 2 * x.y * x.y) + p2 * twice_xy);
+    valid = valid && r2 <= camera.limit * camera.limit;
+    x = x * radial + tangential;
+  }
+  return Projection(camera.focal * x + camera.center, valid);
+}
+
+// Where a point in camera coordinates falls, in pixels, inside the picture or not. The pixel is undefined unless valid.
 Projection projectThroughLens(GpuCamera camera, vec3 point_in_camera) {
-  Projection result = distorted(camera, point_in_camera);
-  result.pixel = camera.focal * result.pixel + camera.center;
-  return result;
+  if (!rigHas(kLensFisheye)) return projectPerspective(camera, point_in_camera);
+  if (kLenses == 1u << kLensFisheye || camera.lens == kLensFisheye) return projectFisheye(camera, point_in_camera);
+  return projectPerspective(camera, point_in_camera);
 }

@@ -3,6 +3,7 @@
 // Removes speckle and smooths edges by the 3 x 3 majority, 32 pixels at once: the nine bits of a neighbourhood are added by carry-save
 // adders. Outside the picture counts as background.
 #extension GL_GOOGLE_include_directive : require
+#include "shaders/picture.glsl"
 #include "shaders/silhouette_io.h"
 
 layout(local_size_x_id = 0) in;
@@ -15,7 +16,7 @@ struct Sum {  // of three bits, 32 times
 Sum add(uint a, uint b, uint c) { return Sum(a ^ b ^ c, (a & b) | (c & (a ^ b))); }
 
 void main() {
-  const GpuCamera camera = args.cameras.at[gl_WorkGroupID.y];
+  const Picture camera = pictureOf(args.cameras, gl_WorkGroupID.y);
   const uint y = gl_GlobalInvocationID.x / camera.row_words, w = gl_GlobalInvocationID.x % camera.row_words;
   if (y >= camera.height) return;
 

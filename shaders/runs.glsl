@@ -2,6 +2,7 @@
 // Union-find over runs of pixels: labels only ever fall, so parts can be joined by many invocations at once
 // (Playne and Hawick 2018, "A new algorithm for parallel connected-component labelling on GPUs": here on runs).
 
+#include "shaders/picture.glsl"
 #include "shaders/silhouette_io.h"
 
 layout(local_size_x_id = 0) in;

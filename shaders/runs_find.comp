@@ -5,7 +5,7 @@
 #include "shaders/runs.glsl"
 
 void main() {
-  const GpuCamera camera = args.cameras.at[gl_WorkGroupID.y];
+  const Picture camera = pictureOf(args.cameras, gl_WorkGroupID.y);
   const uint y = gl_GlobalInvocationID.x;
   if (y >= camera.height) return;
   const uint at = runsOf(gl_WorkGroupID.y, y);
@@ -15,7 +15,7 @@ void main() {
   for (uint w = 0; w < camera.row_words; ++w) {
     uint word = args.masks.at[camera.mask_words + y * camera.row_words + w];
     if (args.holes != 0) word = ~word;
-    const uint pixels = min(32u, camera.width - 32 * w);
+    const uint pixels = 32 * w < camera.width ? min(32u, camera.width - 32 * w) : 0;
     if (pixels < 32) word &= (1u << pixels) - 1;
     // jump from change to change
     uint x = 0;

@@ -5,7 +5,7 @@
 #include "shaders/runs.glsl"
 
 void main() {
-  const GpuCamera camera = args.cameras.at[gl_WorkGroupID.y];
+  const Picture camera = pictureOf(args.cameras, gl_WorkGroupID.y);
   const uint y = gl_GlobalInvocationID.x;
   if (y >= camera.height) return;
   const uint at = runsOf(gl_WorkGroupID.y, y);

@@ -11,7 +11,7 @@ uint bitsFrom(uint first, uint last, uint word) {  // of the run first … last,
 }
 
 void main() {
-  const GpuCamera camera = args.cameras.at[gl_WorkGroupID.y];
+  const Picture camera = pictureOf(args.cameras, gl_WorkGroupID.y);
   const uint y = gl_GlobalInvocationID.x;
   if (y >= camera.height) return;
   const uint at = runsOf(gl_WorkGroupID.y, y);

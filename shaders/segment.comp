@@ -3,6 +3,7 @@
 // How far 32 pixels differ from the background, an invocation. A pixel I is compared with the background's mean E as a brightness α E, which a
 // shadow or a change of light scales, and a rest of other colour (the decomposition of Horprasert, Harwood and Davis 1999).
 #extension GL_GOOGLE_include_directive : require
+#include "shaders/picture.glsl"
 #include "shaders/silhouette_io.h"
 
 layout(local_size_x_id = 0) in;
@@ -10,42 +11,64 @@ layout(push_constant, scalar) uniform Push { SegmentArgs args; };
 
 vec3 channels(uint word) { return vec3(word & 255u, word >> 8 & 255u, word >> 16 & 255u); }
 
-// The levels that the pixel's score reaches, a bit each.
-uint levelsReached(uint pixel, uint model) {
+READ_POINTER(ReadPairs, uint64_t)
+
+uint words[kScoreLevels];  // of this invocation
+
+// Adds pixel `bit` to the words of the levels that its score reaches. Scores are compared as squares.
+void addPixel(uint pixel, uint model, uint bit) {
   const vec3 seen = channels(pixel), expected = channels(model);
-  const float spread = kSpreadStep * float(model >> 24);
   const float square = max(dot(expected, expected), 1.0);
   const float alpha = dot(seen, expected) / square;
   const vec3 rest = seen - alpha * expected;
-  const float tolerance = kColourSpreads * spread;
+  const float tolerance = (kColourSpreads * kSpreadStep) * float(model >> 24);
   // the brightness of a dark background is mostly noise: its spread widens both limits
   const float slack = tolerance * inversesqrt(square);
   const float brightness = alpha > 1 ? (alpha - 1) / (kBrightest - 1 + slack) : (1 - alpha) / (1 - kDarkest + slack);
-  const float score = max(sqrt(dot(rest, rest)) / tolerance, brightness);
-  return (score >= 1 ? 1u : 0u) | (score >= 2 ? 2u : 0u) | (score >= 4 ? 4u : 0u) | (score >= 8 ? 8u : 0u);
+  const float score = max(dot(rest, rest) / (tolerance * tolerance), brightness * brightness);
+  for (uint level = 0; level < kScoreLevels; ++level) words[level] |= score >= float(1u << 2 * level) ? 1u << bit : 0u;
 }
 
-void main() {
-  const GpuCamera camera = args.cameras.at[gl_WorkGroupID.y];
-  const uint y = gl_GlobalInvocationID.x / camera.row_words, w = gl_GlobalInvocationID.x % camera.row_words;
-  if (y >= camera.height) return;
-  const uint first = y * camera.width + 32 * w;
-  const uint count = min(32u, camera.width - 32 * w);
-
-  uint words[kScoreLevels] = {0, 0, 0, 0};
+// The general case: four pixels are three words, or parts of four.
+void addPixels(Picture camera, uint first, uint count) {
   for (uint i = 0; i < count; i += 4) {
-    // four pixels are three words, or parts of four
     const uint byte = 3 * (first + i), shift = 8 * (byte & 3u);
     const uint at = camera.picture_words + byte / 4;
     uvec3 bytes = uvec3(args.pictures.at[at], args.pictures.at[at + 1], args.pictures.at[at + 2]);
     if (shift != 0) bytes = bytes >> shift | uvec3(bytes.yz, args.pictures.at[at + 3]) << (32 - shift);
     const uint pixels[4] = {bytes.x, bytes.x >> 24 | bytes.y << 8, bytes.y >> 16 | bytes.z << 16, bytes.z >> 8};
+    for (uint k = 0; k < 4 && i + k < count; ++k)
+      addPixel(pixels[k], args.model.at[camera.pixels_before + first + i + k], i + k);
+  }
+}
+
+// Pictures whose width is a multiple of eight: eight pixels are three pairs of words, their models four.
+void addPixelsInPairs(Picture camera, uint first, uint count) {
+  ReadPairs pictures = ReadPairs(uint64_t(args.pictures));
+  ReadPairs model = ReadPairs(uint64_t(args.model));
+  for (uint i = 0; i < count; i += 8) {
+    const uint at = camera.picture_words / 2 + 3 * ((first + i) / 8);
+    const uint64_t a = pictures.at[at], b = pictures.at[at + 1], c = pictures.at[at + 2];
+    const uint pixels[8] = {uint(a), uint(a >> 24), uint(a >> 48) | uint(b) << 16, uint(b >> 8),
+                            uint(b >> 32), uint(b >> 56) | uint(c) << 8, uint(c >> 16), uint(c >> 40)};
     for (uint k = 0; k < 4; ++k) {
-      const uint model = args.model.at[camera.pixels_before + first + i + k];
-      const uint reached = i + k < count ? levelsReached(pixels[k], model) : 0;
-      for (uint level = 0; level < kScoreLevels; ++level) words[level] |= (reached >> level & 1u) << (i + k);
+      const uvec2 models = unpackUint2x32(model.at[(camera.pixels_before + first + i) / 2 + k]);
+      addPixel(pixels[2 * k], models.x, i + 2 * k);
+      addPixel(pixels[2 * k + 1], models.y, i + 2 * k + 1);
     }
   }
+}
+
+void main() {
+  const Picture camera = pictureOf(args.cameras, gl_WorkGroupID.y);
+  const uint y = gl_GlobalInvocationID.x / camera.row_words, w = gl_GlobalInvocationID.x % camera.row_words;
+  if (y >= camera.height) return;
+  for (uint level = 0; level < kScoreLevels; ++level) words[level] = 0;
+  const uint first = y * camera.width + 32 * w;
+  const uint count = 32 * w < camera.width ? min(32u, camera.width - 32 * w) : 0;  // a row's last word may be past the picture
+  if (kSameWidth != 0 && kSameWidth % 8 == 0) addPixelsInPairs(camera, first, count);
+  else addPixels(camera, first, count);
+
   const uint at = kScoreLevels * (camera.mask_words + y * camera.row_words + w);
   for (uint level = 0; level < kScoreLevels; ++level) args.levels.at[at + level] = words[level];
 }

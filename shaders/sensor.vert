@@ -4,6 +4,8 @@
 // are small.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/sensor_io.h"
+#include "shaders/camera_io.h"
+const uint kLenses = 15;  // every kind
 #include "shaders/lens.glsl"
 
 layout(push_constant, scalar) uniform Push { SensorMeshArgs args; };

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: MIT
+#include "engine/pipeline.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "engine/error.h"
+#include "engine/sculptor.h"
+#include "engine/tracker.h"
+
+namespace airclay {
+namespace {
+
+using StageTimes = std::vector<std::pair<std::string, double>>;
+
+void addStages(const Recorder& recorder, StageTimes& total) {
+  for (const auto& [name, ms] : recorder.stageMs()) {
+    const auto same = std::find_if(total.begin(), total.end(), [&name = name](const auto& stage) { return stage.first == name; });
+    if (same == total.end()) total.emplace_back(name, ms);
+    else same->second += ms;
+  }
+}
+
+}  // namespace
+
+struct Pipeline::Parts {
+  Parts(Gpu& gpu, const Rig& rig, const HandModel& hand_model, const PipelineOptions& options,
+        const std::optional<ClayOptions>& clay_options)
+      : hand(hand_model),
+        gpu_rig(gpu, rig),
+        pictures(gpu, gpu_rig.pictureWords(), Memory::kHost),
+        silhouettes(gpu, gpu_rig),
+        carver(gpu, gpu_rig, options.voxels),
+        tracker(gpu, gpu_rig, hand, carver),
+        recorder(gpu) {
+    if (!clay_options) return;
+    clay = std::make_unique<Clay>(gpu, *clay_options, rig.workspace);
+    sculptor = std::make_unique<Sculptor>(gpu, *clay, hand);
+  }
+
+  HandModel hand;
+  GpuRig gpu_rig;
+  Buffer<std::uint32_t> pictures;
+  Silhouettes silhouettes;
+  Carver carver;
+  HandTracker tracker;
+  std::unique_ptr<Clay> clay;
+  std::unique_ptr<Sculptor> sculptor;
+  Recorder recorder;
+
+  /// From what is seen to the voxel model. The masks are there already, or come from the pictures.
+  void recordHull(bool from_pictures) {
+    if (from_pictures) {
+      if (!silhouettes.learned())
+        throw Error("the empty workspace has not been learned: give background pictures or empty first frames");
+      recorder.stage("silhouette");
+      silhouettes.record(recorder, pictures);
+    }
+    recorder.stage("carve");
+    carver.record(recorder, silhouettes.masks());
+  }
+
+  /// From the voxel model to the new surface.
+  void recordHandAndClay(bool held) {
+    recorder.stage("fit");
+    tracker.recordTracking(recorder);
+    if (!sculptor) return;
+    recorder.stage("clay");
+    sculptor->record(recorder, tracker.result(), held);
+  }
+
+  void submit(FrameResult& result) {
+    recorder.submitAndWait();
+    addStages(recorder, result.stage_ms);
+  }
+
+  /// The whole line. A frame whose last pose holds is one submission; a search has several of its own.
+  FrameResult process(bool from_pictures, bool held) {
+    FrameResult result;
+    const auto start = std::chrono::steady_clock::now();
+    const bool following = tracker.hasPose();
+    recorder.begin();
+    recordHull(from_pictures);
+    if (following) recordHandAndClay(held);
+    submit(result);
+
+    if (following) result.fit = tracker.finish();
+    if (!result.fit.tracked) {
+      result.searched = tracker.search(recorder, result.stage_ms);
+      if (result.searched) {
+        recorder.begin();
+        recordHandAndClay(held);
+        submit(result);
+        result.fit = tracker.finish();
+      }
+    }
+    finishClay(result);
+    result.hand = tracker.isEmpty() ? HandState::kEmpty : result.fit.tracked ? HandState::kTracked : HandState::kLost;
+    result.frame_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    return result;
+  }
+
+  void finishClay(FrameResult& result) {
+    if (!sculptor) return;
+    if (!result.fit.tracked) {
+      sculptor->forget();
+      return;
+    }
+    if (sculptor->needsHost()) sculptor->finishOnHost(recorder);
+    result.clay = sculptor->step();
+  }
+
+  void takeMasks(const std::vector<Mask>& masks) {
+    const std::vector<Camera>& cameras = gpu_rig.rig().cameras;
+    if (masks.size() != cameras.size()) throw Error("there must be a mask for each camera");
+    for (std::size_t c = 0; c < cameras.size(); ++c)
+      if (masks[c].width != cameras[c].width || masks[c].height != cameras[c].height)
+        throw Error("the mask of camera " + cameras[c].name + " must have the size that the rig says");
+    gpu_rig.pack(masks, silhouettes.masks().host());
+  }
+
+  void hull(bool from_pictures) {
+    recorder.begin();
+    recordHull(from_pictures);
+    recorder.submitAndWait();
+  }
+};
+
+Pipeline::Pipeline(Gpu& gpu, const Rig& rig, const HandModel& hand, const PipelineOptions& options,
+                   const std::optional<ClayOptions>& clay)
+    : parts_(std::make_unique<Parts>(gpu, rig, hand, options, clay)) {}
+Pipeline::~Pipeline() = default;
+
+std::span<std::uint8_t> Pipeline::picture(std::size_t camera) {
+  return parts_->gpu_rig.picture(parts_->pictures.host(), camera);
+}
+
+void Pipeline::learnBackground() {
+  parts_->recorder.begin();
+  parts_->silhouettes.recordLearning(parts_->recorder, parts_->pictures);
+  parts_->silhouettes.finishLearning(parts_->recorder);
+  parts_->recorder.submitAndWait();
+}
+
+FrameResult Pipeline::processPictures(bool held) { return parts_->process(true, held); }
+
+FrameResult Pipeline::processMasks(const std::vector<Mask>& masks, bool held) {
+  parts_->takeMasks(masks);
+  return parts_->process(false, held);
+}
+
+void Pipeline::hullFromPictures() { parts_->hull(true); }
+
+void Pipeline::hullFromMasks(const std::vector<Mask>& masks) {
+  parts_->takeMasks(masks);
+  parts_->hull(false);
+}
+
+void Pipeline::forgetHand() {
+  parts_->tracker.forget();
+  if (parts_->sculptor) parts_->sculptor->forget();
+}
+
+const Rig& Pipeline::rig() const { return parts_->gpu_rig.rig(); }
+const HandModel& Pipeline::hand() const { return parts_->hand; }
+const Silhouettes& Pipeline::silhouettes() const { return parts_->silhouettes; }
+const GpuRig& Pipeline::gpuRig() const { return parts_->gpu_rig; }
+const Carver& Pipeline::carver() const { return parts_->carver; }
+Clay& Pipeline::clay() { return *parts_->clay; }
+const Clay& Pipeline::clay() const { return *parts_->clay; }
+
+}  // namespace airclay
