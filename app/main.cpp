@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+// The program `airclay`: one word chooses the command. Exit status: 0 done, 1 bad input or a failed
+// comparison, 2 wrong usage, 3 no usable Vulkan device; 128 + the signal when interrupted.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+
+#include "app/command.h"
+#include "app/progress.h"
+#include "engine/error.h"
+
+namespace airclay {
+namespace {
+
+constexpr const char* kExamples =
+    R"(  test                        build and run every test (the front door's: ./airclay test)
+
+Examples:
+  airclay demo                sculpt with the built-in cameras and hand, into out/demo
+  airclay sculpt TAKE         sculpt from a recording, into out/sculpt
+  airclay track TAKE --poses hand.tum
+
+`airclay COMMAND --help` says more of a command.)";
+
+/// CLI11 would call a word that is no command an argument that was not expected.
+void checkCommand(const CLI::App& program, int argc, char** argv) {
+  if (argc < 2)
+    throw Error("say what to do: `airclay demo`, or `airclay --help` for the list", Fault::kUsage);
+  const std::string word = argv[1];
+  if (word == "-h" || word == "--help" || word == "--version") return;
+  if (word.starts_with("-"))
+    throw Error("the command comes first, then its options: airclay COMMAND " + word, Fault::kUsage);
+  if (word == "test")
+    throw Error("`test` belongs to the front door: run ./airclay test in the checkout", Fault::kUsage);
+  const auto commands = program.get_subcommands([](const CLI::App*) { return true; });
+  if (std::none_of(commands.begin(), commands.end(),
+                   [&](const CLI::App* c) { return c->get_name() == word; }))
+    throw Error("there is no command '" + word + "'; `airclay --help` lists those there are", Fault::kUsage);
+}
+
+int run(int argc, char** argv) {
+  CLI::App program("Sculpt virtual clay with a bare hand, seen by a few ordinary cameras.", "airclay");
+  program.set_version_flag("--version", AIRCLAY_VERSION, "show the version");
+  program.set_help_flag("-h,--help", "show this help");
+  program.require_subcommand(1);
+  program.get_formatter()->column_width(28);
+  program.footer(kExamples);
+  int status = 0;
+  addDemo(program, status);
+  addSculpt(program, status);
+  addTrack(program, status);
+  addHull(program, status);
+  addSubdivide(program, status);
+  addDeform(program, status);
+  addFigures(program, status);
+  addCompare(program, status);
+  addBench(program, status);
+  addDevices(program, status);
+  try {
+    checkCommand(program, argc, argv);
+    program.parse(argc, argv);
+    return status;
+  } catch (const CLI::Success& wanted) {  // --help, --version
+    return program.exit(wanted);
+  } catch (const CLI::ParseError& error) {
+    warn(error.what() + std::string("; `airclay ") + argv[1] + " --help` says more");
+    return static_cast<int>(Fault::kUsage);
+  }
+}
+
+}  // namespace
+}  // namespace airclay
+
+int main(int argc, char** argv) {
+  try {
+    const int status = airclay::run(argc, argv);
+    if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return status;
+    throw airclay::Error(std::string("standard output cannot be written: ") + std::strerror(errno));
+  } catch (const airclay::Interrupted& interrupted) {
+    airclay::warn("interrupted");
+    return 128 + interrupted.signal;
+  } catch (const airclay::Error& error) {
+    airclay::warn(error.what());
+    return static_cast<int>(error.fault());
+  } catch (const std::bad_alloc&) {
+    airclay::warn("out of memory; fewer voxels, a lower level or a smaller file would need less");
+  } catch (const std::exception& error) {
+    airclay::warn(error.what());
+  }
+  return static_cast<int>(airclay::Fault::kInput);
+}

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+// Pictures for the eyes: the one place where the commands meet the renderer.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "capture/picture_file.h"
+#include "engine/pipeline.h"
+#include "engine/renderer.h"
+
+namespace airclay {
+
+/// RGBA bytes, rows from the top.
+struct Picture {
+  PictureSize size;
+  std::vector<std::uint8_t> rgba;
+};
+
+void save(const std::filesystem::path& file, const Picture& picture);
+
+/// Pictures of one size, row by row, a white line between them.
+Picture montage(const std::vector<Picture>& panels, int columns);
+
+/// Draws scenes one at a time.
+class Painter {
+ public:
+  Painter(Gpu& gpu, PictureSize size);
+  Picture paint(const Scene& scene, const View& view);
+
+ private:
+  Renderer renderer_;
+  Recorder recorder_;
+};
+
+/// A hand's skin on the device, and for a built-in hand the forearm that goes on behind it.
+class DrawnHand {
+ public:
+  DrawnHand(Gpu& gpu, const HandModel& hand, const std::optional<TriangleMesh>& forearm);
+  SceneHand at(const Pose& workspace_from_hand) const;
+
+ private:
+  DrawnMesh skin_;
+  std::optional<DrawnMesh> forearm_;
+};
+
+/// What a sculpting looks like: its clay on a ground, the hand where it was found.
+class SculptPictures {
+ public:
+  static constexpr PictureSize kSize = {960, 540};
+
+  /// `pipeline` must outlive this. \pre it was made with clay
+  SculptPictures(Gpu& gpu, const Pipeline& pipeline, const std::optional<TriangleMesh>& forearm);
+  /// The clay as it is now, the hand where there is one.
+  Picture frame(const std::optional<Pose>& world_from_hand);
+  /// The rig around it: cameras, cube, voxels, cage and data points too.
+  Picture workings(const std::optional<Pose>& world_from_hand);
+
+ private:
+  Scene scene(const std::optional<Pose>& world_from_hand) const;
+
+  const Pipeline& pipeline_;
+  Painter painter_;
+  DrawnHand hand_;
+  double ground_z_m_ = 0;  ///< workspace frame: the clay's lowest point at the start
+};
+
+}  // namespace airclay

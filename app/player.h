@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+// A recording through the pipeline, frame by frame.
+#pragma once
+
+#include <optional>
+
+#include "capture/recording.h"
+#include "capture/take.h"
+#include "engine/pipeline.h"
+
+namespace CLI {
+class App;
+}
+
+namespace airclay {
+
+/// What the commands that read a take ask of it.
+struct TakeWords {
+  std::string folder, units;
+  int background_frames = 10;
+
+  /// Opens the take; what is unusual about it is warned of.
+  Take open() const;
+};
+
+/// The take itself, --units and --background.
+void addTakeOptions(CLI::App& command, TakeWords& words);
+
+/// A frame and what became of it.
+struct PlayedFrame {
+  int frame = 0;
+  double time_s = 0;
+  bool background = false;  ///< it taught the empty workspace: the hand is kEmpty
+  double decode_ms = 0;     ///< file to pixels in memory
+  FrameResult result;
+};
+
+/// Plays a recording: its background first, then every frame in order.
+class Player {
+ public:
+  /// \throw Error when the recording has no more frames than the empty workspace takes.
+  Player(Recording& recording, Pipeline& pipeline);
+
+  /// None past the last frame.
+  std::optional<PlayedFrame> next();
+  /// Silhouettes and hull alone, of one frame. \throw Error when the recording has no such frame.
+  void hullOf(int frame);
+
+ private:
+  void readFrame(int frame);
+  void learnFromBackgroundPictures();
+
+  Recording& recording_;
+  Pipeline& pipeline_;
+  std::vector<std::span<std::uint8_t>> buffers_;  ///< the pipeline's pictures, or masks_
+  std::vector<Mask> masks_;
+  int next_ = 0;
+};
+
+}  // namespace airclay

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// Long work: a bar on a terminal, and a clean end on Ctrl-C.
+#pragma once
+
+#include <chrono>
+#include <csignal>
+#include <string>
+
+namespace airclay {
+
+/// Ctrl-C, or the system's wish to end: what was open is closed, what was half written is gone.
+struct Interrupted {
+  int signal;
+};
+
+/// Counts the steps of long work. While one exists, SIGINT and SIGTERM come out of advance() as Interrupted;
+/// a second one ends the program at once.
+class Progress {
+ public:
+  /// \param what  a word or two before the bar
+  /// \param shown whether a bar may be drawn; it is, where standard error is a terminal
+  Progress(std::string what, int steps, bool shown);
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  /// One step is done. \throw Interrupted
+  void advance();
+
+ private:
+  void draw() const;
+
+  std::string what_;
+  int steps_, done_ = 0;
+  bool shown_;
+  std::chrono::steady_clock::time_point drawn_{};
+  struct sigaction previous_interrupt_ {
+  }, previous_end_{};
+};
+
+}  // namespace airclay
