@@ -146,8 +146,8 @@ void addArc(std::vector<SceneCapsule>& capsules, const Vec3& center, const Vec3&
     return Vec3(center + Eigen::AngleAxisd(share * angle_rad, axis.normalized()) * from);
   };
   for (int i = 0; i < kPieces; ++i)
-    capsules.push_back({at(0.86 * i / kPieces), at(0.86 * (i + 1) / kPieces), kRadiusM, kRadiusM, color});
-  capsules.push_back({at(0.86), at(1), 2.8 * kRadiusM, 0.1 * kRadiusM, color});
+    capsules.push_back({at(0.72 * i / kPieces), at(0.72 * (i + 1) / kPieces), kRadiusM, kRadiusM, color});
+  capsules.push_back({at(0.72), at(1), 2.3 * kRadiusM, 0.1 * kRadiusM, color});
 }
 
 /// Fig. 3: the fit's coordinate system, its origin in the hand's centre of gravity, its axes the world's; the
@@ -157,7 +157,7 @@ Picture coordinateSystem(Gpu& gpu, const HandModel& hand) {
   const Vec3 centroid_in_hand = massProperties(withCaps(hand.skin)).centroid;
   Pose lying = Pose::Identity();  // fingers along x, back of the hand up
   lying.translation() = -centroid_in_hand;
-  const Vec3 d(0.105, 0.085, 0.0);
+  const Vec3 d(0.13, 0.12, 0.0);
   const double alpha_rad = 0.62;
   const Pose target = turned(lying, Vec3::Zero(), Vec3(0, 0, alpha_rad), d);
 
@@ -246,7 +246,7 @@ void addCamera(std::vector<SceneCapsule>& capsules, const View& view) {
 Picture cameraSystem(Gpu& gpu, const HandModel& hand) {
   const GpuRig rig(gpu, demoRig());
   const HandScript script = demoScript();
-  const Pose world_from_hand = script.at(0.45 * script.endS()).value();
+  const Pose world_from_hand = script.at(0.27 * script.endS()).value();
   const Photographs photographs = photograph(gpu, rig, demoArm(), world_from_hand);
 
   const PolygonMesh cage = presetCage("tube");
@@ -274,7 +274,7 @@ Picture cameraSystem(Gpu& gpu, const HandModel& hand) {
   Page page({1280, 960});
   const PictureSize inset{296, 222};
   Painter painter(gpu, {1232, 960 - 2 * kMargin - kGap - inset.height});
-  page.lay(painter.paint(scene, nearView(-1.15, 0.36, 3.9, Vec3(0, 0, 0.18))), kMargin, kMargin);
+  page.lay(painter.paint(scene, nearView(-1.15, 0.36, 3.4, Vec3(0, 0, 0.16))), kMargin, kMargin);
   for (int i = 0; i < 4; ++i)
     page.lay(reduced(photographs.pictures[static_cast<std::size_t>(i)], inset),
              kMargin + i * (inset.width + kGap), 960 - kMargin - inset.height);

@@ -6,32 +6,9 @@
 #include "engine/clay.h"
 
 namespace airclay {
-namespace {
-
-constexpr int kGap = 6;  ///< pixels between a montage's panels
-
-}  // namespace
 
 void save(const std::filesystem::path& file, const Picture& picture) {
   writePng(file, picture.size, picture.rgba);
-}
-
-Picture montage(const std::vector<Picture>& panels, int columns) {
-  const PictureSize panel = panels.at(0).size;
-  const int rows = (static_cast<int>(panels.size()) + columns - 1) / columns;
-  Picture whole;
-  whole.size = {columns * panel.width + (columns - 1) * kGap, rows * panel.height + (rows - 1) * kGap};
-  whole.rgba.assign(std::size_t(4) * std::size_t(whole.size.width) * std::size_t(whole.size.height), 255);
-  for (std::size_t i = 0; i < panels.size(); ++i) {
-    const int left = static_cast<int>(i) % columns * (panel.width + kGap);
-    const int top = static_cast<int>(i) / columns * (panel.height + kGap);
-    for (int y = 0; y < panel.height; ++y) {
-      const auto row = panels[i].rgba.begin() + std::ptrdiff_t(4) * y * panel.width;
-      std::copy(row, row + std::ptrdiff_t(4) * panel.width,
-                whole.rgba.begin() + 4 * (std::ptrdiff_t(top + y) * whole.size.width + left));
-    }
-  }
-  return whole;
 }
 
 Painter::Painter(Gpu& gpu, PictureSize size)
@@ -59,21 +36,25 @@ SceneHand DrawnHand::at(const Pose& workspace_from_hand) const {
   return hand;
 }
 
-SculptPictures::SculptPictures(Gpu& gpu, const Pipeline& pipeline, const std::optional<TriangleMesh>& forearm)
-    : pipeline_(pipeline), painter_(gpu, kSize), hand_(gpu, pipeline.hand(), forearm) {
+SculptPictures::SculptPictures(Gpu& gpu, const Pipeline& pipeline, const ClayOptions& clay,
+                               const std::optional<TriangleMesh>& forearm)
+    : pipeline_(pipeline),
+      painter_(gpu, kSize),
+      hand_(gpu, pipeline.hand(), forearm),
+      surface_(gpu, clay.cage, clay.rule, clay.levels) {
   const Workspace& workspace = pipeline.rig().workspace;
   ground_z_m_ = workspace.edge_m / 2;
   for (const Vec3& point : pipeline.clay().surface().points)
     ground_z_m_ = std::min(ground_z_m_, point.z() - workspace.center.z());
 }
 
-Scene SculptPictures::scene(const std::optional<Pose>& world_from_hand) const {
-  const Clay& clay = pipeline_.clay();
+Scene SculptPictures::scene(const std::optional<Pose>& world_from_hand) {
   Scene scene;
   scene.workspace = pipeline_.rig().workspace;
   scene.ground_z_m = ground_z_m_;
   SceneMesh mesh;
-  mesh.surface = {&clay.dataPoints(), &clay.normals(), &clay.triangles()};
+  surface_.evaluate(pipeline_.clay().cage().points, scene.workspace);
+  mesh.surface = surface_.surface();
   scene.meshes.push_back(mesh);
   if (world_from_hand) scene.hand = hand_.at(workspaceFromWorld(scene.workspace) * *world_from_hand);
   return scene;

@@ -19,9 +19,6 @@ struct Picture {
 
 void save(const std::filesystem::path& file, const Picture& picture);
 
-/// Pictures of one size, row by row, a white line between them.
-Picture montage(const std::vector<Picture>& panels, int columns);
-
 /// Draws scenes one at a time.
 class Painter {
  public:
@@ -49,19 +46,21 @@ class SculptPictures {
  public:
   static constexpr PictureSize kSize = {960, 540};
 
-  /// `pipeline` must outlive this. \pre it was made with clay
-  SculptPictures(Gpu& gpu, const Pipeline& pipeline, const std::optional<TriangleMesh>& forearm);
+  /// `pipeline` must outlive this, and was made with `clay`.
+  SculptPictures(Gpu& gpu, const Pipeline& pipeline, const ClayOptions& clay,
+                 const std::optional<TriangleMesh>& forearm);
   /// The clay as it is now, the hand where there is one.
   Picture frame(const std::optional<Pose>& world_from_hand);
   /// The rig around it: cameras, cube, voxels, cage and data points too.
   Picture workings(const std::optional<Pose>& world_from_hand);
 
  private:
-  Scene scene(const std::optional<Pose>& world_from_hand) const;
+  Scene scene(const std::optional<Pose>& world_from_hand);
 
   const Pipeline& pipeline_;
   Painter painter_;
   DrawnHand hand_;
+  DisplaySurface surface_;
   double ground_z_m_ = 0;  ///< workspace frame: the clay's lowest point at the start
 };
 

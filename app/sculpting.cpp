@@ -36,7 +36,7 @@ class ClayFigures {
 class Film {
  public:
   Film(Gpu& gpu, const Pipeline& pipeline, const Sculpting& sculpting, double rate_hz)
-      : pictures_(gpu, pipeline, sculpting.forearm), out_(sculpting.out) {
+      : pictures_(gpu, pipeline, sculpting.clay, sculpting.forearm), out_(sculpting.out) {
     if (sculpting.video)
       video_.emplace(*sculpting.video, VideoWriter::Options{SculptPictures::kSize, rate_hz});
     save(out_ / "before.png", pictures_.frame(std::nullopt));
