@@ -31,7 +31,8 @@ void addTakeOptions(CLI::App& command, TakeWords& words) {
       ->type_name("m|mm");
   command
       .add_option("--background", words.background_frames,
-                  "how many first frames show the empty workspace, where the take has no background/ [10], at most 256")
+                  "how many first frames show the empty workspace, where the take has no background/ [10], "
+                  "at most 256")
       ->check(CLI::Range(1, static_cast<int>(kMaxLearnFrames)).description(""))
       ->type_name("N");
 }
