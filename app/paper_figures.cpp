@@ -169,7 +169,7 @@ Picture coordinateSystem(Gpu& gpu, const HandModel& hand) {
   translucent.workspace_from_hand = lying;
   translucent.opacity = 0.36;
   scene.hand = translucent;
-  scene.ground_z_m = -0.055;
+  scene.ground_z_m = -0.085;
   // where the fit will bring it
   for (SceneCapsule capsule : skeletonCapsules(hand, target)) {
     capsule.albedo = ivory;
@@ -274,7 +274,7 @@ Picture cameraSystem(Gpu& gpu, const HandModel& hand) {
   Page page({1280, 960});
   const PictureSize inset{296, 222};
   Painter painter(gpu, {1232, 960 - 2 * kMargin - kGap - inset.height});
-  page.lay(painter.paint(scene, nearView(-1.15, 0.36, 3.4, Vec3(0, 0, 0.16))), kMargin, kMargin);
+  page.lay(painter.paint(scene, nearView(-1.15, 0.36, 3.4, Vec3(0, 0, 0.26))), kMargin, kMargin);
   for (int i = 0; i < 4; ++i)
     page.lay(reduced(photographs.pictures[static_cast<std::size_t>(i)], inset),
              kMargin + i * (inset.width + kGap), 960 - kMargin - inset.height);

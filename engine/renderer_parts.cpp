@@ -57,7 +57,7 @@ GraphicsOptions depthOnly(std::uint32_t samples) {
 GraphicsOptions strokes(std::uint32_t samples, bool dots, bool hidden) {
   GraphicsOptions options = blended(samples, dots ? 1 : 0);
   options.depth_test = !hidden;
-  options.depth_write = !hidden;
+  options.depth_write = false;  // their soft edges must not hide what is behind
   return options;
 }
 

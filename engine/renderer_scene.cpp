@@ -175,7 +175,7 @@ vec3 fromScreen(int red, int green, int blue) {
 }
 
 vec3 clayColor() {
-  return fromScreen(174, 134, 116);
+  return fromScreen(166, 134, 119);
 }
 vec3 skinColor() {
   return fromScreen(208, 152, 128);
@@ -241,11 +241,12 @@ std::vector<SceneCapsule> skeletonCapsules(const HandModel& hand, const Pose& wo
   };
   for (const Joint& joint : hand.joints) {
     const Vec3 at = place(joint);
-    SceneCapsule ball{at, at, 0.0052, 0.0052, fromScreen(205, 96, 62)};
-    capsules.push_back(ball);
+    const bool is_tip = joint.name.ends_with("-tip");  // on the skin: a ball there would stand out of it
+    if (!is_tip) capsules.push_back({at, at, 0.0052, 0.0052, fromScreen(205, 96, 62)});
     if (joint.parent < 0) continue;
     const Vec3 from = place(hand.joints[static_cast<std::size_t>(joint.parent)]);
-    capsules.push_back({from, at, 0.0034, 0.0024, fromScreen(240, 232, 216)});
+    const Vec3 to = is_tip ? Vec3(at - 0.005 * (at - from).normalized()) : at;
+    capsules.push_back({from, to, 0.0034, 0.0024, fromScreen(240, 232, 216)});
   }
   return capsules;
 }

@@ -14,7 +14,7 @@ void main() {
   const vec2 border = abs(place.xy);
   const vec2 fades = mix(light, vec2(1), smoothstep(0.6, 0.95, max(border.x, border.y)));
   // warm in the shade
-  shade = (vec3(0.50, 0.475, 0.47) + vec3(0.50, 0.525, 0.53) * fades.x) * (0.2 + 0.8 * fades.y);
+  shade = (vec3(0.50, 0.475, 0.47) + vec3(0.50, 0.525, 0.53) * fades.x) * (0.35 + 0.65 * fades.y);
   gl_Position = args.clip_from_ground * vec4(place, 1);
   gl_Position.z = 0.9999 * gl_Position.w;
 }

@@ -18,6 +18,8 @@ const float kContactM = 0.010;       // the contact shadow fades to 1/e over thi
 const float kContactDepth = 0.55;
 const float kConeCells = 1.6;        // farther out than a flat surface's own cells reach
 const float kConeStrength = 0.75;
+const float kReach = 0.4;             // cosine; no material wraps light farther (render_studio.glsl)
+const float kBiasM = 0.0025, kGrazingBiasM = 0.02;
 const float kGoldenAngle = 2.3999632;
 
 // Evenly in the unit disc (Vogel 1979).
@@ -37,10 +39,11 @@ float keyArrives(vec3 p, vec3 n, vec3 key) {
   const float depth = dot(row_z, from);
   // the receiver's own plane, depth a texel sideways: a wide kernel must not find the receiver itself
   const vec2 normal = vec2(dot(row_x.xyz, n), dot(row_y.xyz, n));
-  const float facing = max(dot(n, key), 0.15);
+  const float towards = dot(n, key), facing = max(towards, 0.15);
   const vec2 slope =
       normal / max(length(normal), 1e-6) * (sqrt(max(1 - facing * facing, 0)) / facing * texel_m / depth_m);
-  const float bias = 0.0025 / depth_m;
+  // where light grazes, the surface's own near parts would shade it in patches; its turning away is shade enough
+  const float bias = mix(kGrazingBiasM, kBiasM, smoothstep(0.0, 0.4, towards)) / depth_m;
 
   float gap_sum = 0;
   uint blockers = 0;
@@ -130,7 +133,9 @@ void main() {
   const vec3 key = args.frame.at[0].key_direction;
   const float edge_m = args.frame.at[0].edge_m;
   const bool faces_key = dot(n, key) >= 0;
-  float arrives = faces_key || args.two_sided == 1 ? keyArrives(p, faces_key ? n : -n, key) : 0.0;
+  // soft materials take some light from beyond the terminator, never past kReach
+  const bool reached = args.two_sided == 1 || dot(n, key) > -kReach;
+  float arrives = reached ? keyArrives(p, faces_key || args.two_sided == 0 ? n : -n, key) : 0.0;
   vec2 open = vec2(openness(p, n, edge_m), args.two_sided == 1 ? openness(p, -n, edge_m) : 1.0);
   if (uint64_t(args.hand_grid) != 0) {
     const vec4 hand = handDistance(p);
