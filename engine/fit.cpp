@@ -5,6 +5,8 @@
 
 namespace airclay {
 
+static_assert(sizeof(GpuPatch) == 32, "fit.comp loads it by this size");
+
 FitModel fitModel(const HandModel& hand) {
   const TriangleMesh closed = withCaps(hand.skin);
   const MassProperties solid = massProperties(hand.skin);
@@ -65,7 +67,7 @@ void Fitter::record(Recorder& recorder, const DistanceField& field, const FieldG
                     std::uint32_t count, const FitLimits& limits) {
   FitArgs args{};
   args.patches = patches_;
-  args.distances = field.distances();
+  args.distances = field.entries();
   args.fits = fits;
   args.field_low = grid.low.cast<float>();
   args.cell_m = static_cast<float>(grid.cell_m);
@@ -74,6 +76,7 @@ void Fitter::record(Recorder& recorder, const DistanceField& field, const FieldG
   args.inertia_high = Vec3(inertia(0, 1), inertia(0, 2), inertia(1, 2)).cast<float>();
   args.patch_area = static_cast<float>(model_.patch_area_m2);
   args.margin_m = static_cast<float>(kFitMargin * grid.cell_m);
+  for (int k = 0; k < 3; ++k) args.field_size[k] = grid.place.size[k];
   args.patch_count = static_cast<std::uint32_t>(model_.patches.size());
   args.max_iterations = static_cast<std::uint32_t>(limits.iterations);
   recorder.dispatch(kernel_, args, count);

@@ -11,7 +11,7 @@ namespace airclay {
 namespace {
 
 // A hand moves less than this between two frames, plus the interpolation's border.
-constexpr double kReachAround = 0.045;  // m
+constexpr double kReachAround = 0.03;  // m
 // Orientations of the coarse search: neighbours are about 25° apart, and the fit pulls in from half of that.
 constexpr int kCoarseRotations = 600;
 constexpr int kCoarseIterations = 12;
@@ -94,6 +94,13 @@ FitChooseArgs HandTracker::chooseArgs(std::uint32_t count, double cell_m) const 
   return args;
 }
 
+FieldGrid HandTracker::gridAround(const GpuFit& fit) const {
+  const Mat3 turn = rotationOf(fit).normalized().toRotationMatrix();
+  Eigen::AlignedBox3d box;
+  for (const GpuPatch& patch : model().patches) box.extend(Vec3(turn * patch.center.cast<double>()));
+  return placeField(carver_, fit.position.cast<double>() + box.center(), 0.5 * box.sizes() + Vec3::Constant(kReachAround));
+}
+
 void HandTracker::recordTracking(Recorder& recorder) {
   std::uint32_t count = 1;
   fits_.host()[0] = last_;
@@ -104,7 +111,7 @@ void HandTracker::recordTracking(Recorder& recorder) {
     fits_.host()[1] = fitAt((turn * rotationOf(last_)).normalized(), 2 * position - before);
     count = 2;
   }
-  const FieldGrid grid = placeField(carver_, last_.position.cast<double>(), model().radius_m + kReachAround);
+  const FieldGrid grid = gridAround(last_);
   field_.record(recorder, carver_, grid);
   fitter_.record(recorder, field_, grid, fits_, count, {});
   recorder.dispatch(choose_, chooseArgs(count, grid.cell_m), 1);
@@ -130,12 +137,13 @@ HandFit HandTracker::finish() {
 }
 
 std::vector<Vec3> HandTracker::occupiedCells(const FieldGrid& grid) const {
-  const std::vector<float> distances = field_.distances().download();
+  const std::vector<float> distances = field_.download(grid);
+  const auto& size = grid.place.size;
   std::vector<Vec3> cells;
-  for (std::uint32_t i = 0; i < kFieldSize; ++i)
+  for (std::size_t i = 0; i < distances.size(); ++i)
     if (distances[i] < 0)
-      cells.push_back(grid.low + grid.cell_m * Vec3(i % kFieldCells, i / kFieldCells % kFieldCells,
-                                                    i / (kFieldCells * kFieldCells)));
+      cells.push_back(grid.low + grid.cell_m * Vec3(double(i % size[0]), double(i / size[0] % size[1]),
+                                                    double(i / (size[0] * size[1]))));
   return cells;
 }
 
@@ -219,7 +227,7 @@ bool HandTracker::search(Recorder& recorder, std::vector<std::pair<std::string, 
   if (isEmpty()) return false;
   // the whole workspace, in coarse cells
   const double edge_m = rig_.rig().workspace.edge_m;
-  const FieldGrid grid = placeField(carver_, Vec3::Zero(), 0.5 * edge_m);
+  const FieldGrid grid = placeField(carver_, Vec3::Zero(), Vec3::Constant(0.5 * edge_m));
   recordField(recorder, grid, stage_ms);
   const std::vector<Vec3> cells = occupiedCells(grid);
   if (cells.empty()) return false;
@@ -230,7 +238,7 @@ bool HandTracker::search(Recorder& recorder, std::vector<std::pair<std::string, 
   keepBest(candidates, cells, grid.cell_m, kFineCandidates);
 
   // in voxel-sized cells, around the best; the others are mostly the same place turned
-  const FieldGrid fine = placeField(carver_, candidates.front().fit.position.cast<double>(), model().radius_m + kReachAround);
+  const FieldGrid fine = placeField(carver_, candidates.front().fit.position.cast<double>(), Vec3::Constant(model().radius_m + kReachAround));
   recordField(recorder, fine, stage_ms);
   candidates = fitAll(recorder, fitter_, fine, starts(candidates), FitLimits{}.iterations, stage_ms);
   keepBest(candidates, cells, grid.cell_m, 1);

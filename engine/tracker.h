@@ -39,6 +39,8 @@ class HandTracker {
     GpuFit fit;
     double uncovered = 0;
   };
+  /// Around the skin in that pose, and as far as a hand moves between two frames.
+  FieldGrid gridAround(const GpuFit& fit) const;
   std::vector<Vec3> occupiedCells(const FieldGrid& grid) const;
   std::vector<Candidate> fitAll(Recorder& recorder, Fitter& fitter, const FieldGrid& grid, const std::vector<GpuFit>& starts,
                                 int iterations, std::vector<std::pair<std::string, double>>& stage_ms);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Signed distance to the voxel model on a small cube of cells around the hand: how far outside a patch is.
+// Signed distance to the voxel model on a box of cells around the hand: how far outside a patch is.
 #ifndef AIRCLAY_DISTANCE_IO_H
 #define AIRCLAY_DISTANCE_IO_H
 
@@ -7,38 +7,46 @@
 
 AIRCLAY_IO_BEGIN
 
-// Cells along an edge. 64 cells of 4.7 mm hold a hand of 22 cm and 4 cm around it; a row is two words.
+// Cells along an edge, at most: a row's occupancy is one word of 64 bits, and its eight-cell groups a word of bytes each.
 const uint kFieldCells = 64;
 const uint kFieldSize = kFieldCells * kFieldCells * kFieldCells;
-// Distances are exact up to this many cells, and cut off there: 47 mm, more than a hand moves between two frames.
-const int kFieldReach = 10;
+const uint kGroup = 8;  // cells whose squared distances share a word, a byte each
+// Distances are exact up to this many cells, and cut off there: 33 mm outside, more than a hand moves between two frames. Its square
+// leaves room in seven bits for a sum of two.
+const int kFieldReach = 7;
 // Inside, forces end within a cell of the surface.
 const int kFieldInnerReach = 3;
-const uint kFieldFar = 16000;  // squared cells: above any square that occurs
 const uint kFieldWorkgroup = 64;
+// Cells along a line that an invocation works out, from one load of each.
+const uint kFieldRun = 8;
 
-// Where the cube of cells lies. A cell is `stride` voxels wide and takes the voxel at its middle.
+// Where the box of cells lies. A cell is `stride` voxels wide and takes the voxel at its middle. Sizes are multiples of 8.
 struct FieldPlace {
-  int low[3];   // voxel index of the low corner; may lie outside the model, which is empty there
-  uint stride;  // voxels a cell
+  int low[3];    // voxel index of the low corner, a multiple of 8; may lie outside the model, which is empty there
+  uint size[3];  // cells
+  uint stride;   // voxels a cell
 };
 
-// distance_rows: along x, from the voxels. distance_lines: along y (step kFieldCells), then z (step kFieldCells²).
-// Between the passes a cell is two squared distances in cells: to the nearest occupied cell in the low 16 bits, to the nearest empty
-// one in the high. The last pass writes metres: positive outside.
+// Squared distances on the way are bytes, in cells: to the nearest occupied cell, behind all of them to the nearest empty one. A plane's
+// group (x / 8, y, z) is word x / 8 + size_x / 8 · (y + size_y · z).
+// distance_rows: along x, from the voxels. distance_lines: along y, then z: the exact Euclidean transform is separable
+// (Saito and Toriwaki 1994). The pass along z writes metres, positive outside: for each cell its own and its neighbour's above, so that
+// an interpolation needs four loads.
 struct DistanceRowArgs {
   ReadUints brick_states;
   ReadUints words;
-  WriteUints squares;
+  WriteUlongs squares;
   FieldPlace place;
   uint voxels;
 };
 
 struct DistanceLineArgs {
-  ReadUints squares;
-  WriteUints next_squares;  // the pass along y
-  WriteFloats distances;    // the pass along z; 0 in the other
-  uint axis_step;
+  ReadUlongs squares;
+  WriteUlongs next_squares;  // the pass along y
+  WriteUlongs distances;     // the pass along z: two floats an entry
+  uint groups;               // of a plane
+  uint step;                 // groups from a cell to the next along the line
+  uint line_cells;
   float cell_m;
 };
 

@@ -33,20 +33,35 @@ vec4 multiply(vec4 a, vec4 b) {
   return vec4(a.w * b.xyz + b.w * a.xyz + cross(a.xyz, b.xyz), a.w * b.w - dot(a.xyz, b.xyz));
 }
 
-// Trilinear interpolation of the signed distance; outside the cube of cells: the border's.
+READ_POINTER(ReadPatchWords, uint64_t)
+
+// A patch by four loads of two words. The order is GpuPatch's.
+GpuPatch loadPatch(uint index) {
+  ReadPatchWords words = ReadPatchWords(uint64_t(args.patches) + 32ul * index);
+  const uvec2 a = unpackUint2x32(words.at[0]), b = unpackUint2x32(words.at[1]), c = unpackUint2x32(words.at[2]),
+              d = unpackUint2x32(words.at[3]);
+  GpuPatch patch_;
+  patch_.center = uintBitsToFloat(uvec3(a, b.x));
+  patch_.area = uintBitsToFloat(b.y);
+  patch_.normal = uintBitsToFloat(uvec3(c, d.x));
+  patch_.cut = d.y;
+  return patch_;
+}
+
+// Trilinear interpolation of the signed distance; outside the box of cells: the border's. An entry has two cells, one above the other.
 float distanceAt(vec3 point) {
-  const vec3 at = clamp((point - args.field_low) / args.cell_m, vec3(0), vec3(float(kFieldCells) - 1.001));
+  const vec3 last = vec3(args.field_size[0], args.field_size[1], args.field_size[2]) - 1.001;
+  const vec3 at = clamp((point - args.field_low) / args.cell_m, vec3(0), last);
   const uvec3 cell = uvec3(at);
   const vec3 t = at - vec3(cell);
-  const uint i = cell.x + kFieldCells * (cell.y + kFieldCells * cell.z);
-  const uint dy = kFieldCells, dz = kFieldCells * kFieldCells;
-  const vec4 low = vec4(args.distances.at[i], args.distances.at[i + dy], args.distances.at[i + dz],
-                        args.distances.at[i + dy + dz]);
-  const vec4 high = vec4(args.distances.at[i + 1], args.distances.at[i + dy + 1], args.distances.at[i + dz + 1],
-                         args.distances.at[i + dy + dz + 1]);
-  const vec4 x = mix(low, high, t.x);
-  const vec2 y = mix(x.xz, x.yw, t.y);
-  return mix(y.x, y.y, t.z);
+  const uint dy = args.field_size[0];
+  const uint i = cell.x + dy * (cell.y + args.field_size[1] * cell.z);
+  const vec2 z00 = uintBitsToFloat(unpackUint2x32(args.distances.at[i]));
+  const vec2 z10 = uintBitsToFloat(unpackUint2x32(args.distances.at[i + 1]));
+  const vec2 z01 = uintBitsToFloat(unpackUint2x32(args.distances.at[i + dy]));
+  const vec2 z11 = uintBitsToFloat(unpackUint2x32(args.distances.at[i + dy + 1]));
+  const vec2 z = mix(mix(z00, z10, t.x), mix(z01, z11, t.x), t.y);
+  return mix(z.x, z.y, t.z);
 }
 
 void addPatch(GpuPatch patch_, vec4 rotation, vec3 position, inout float sums[kSums]) {
@@ -130,7 +145,7 @@ void main() {
   for (;; ++iteration) {
     for (uint k = 0; k < kSums; ++k) sums[k] = 0;
     for (uint i = gl_LocalInvocationID.x; i < args.patch_count; i += gl_WorkGroupSize.x)
-      addPatch(args.patches.at[i], rotation, position, sums);
+      addPatch(loadPatch(i), rotation, position, sums);
     reduce(sums);
     if (sums[kCount] == 0) {
       outcome = kFitIncluded;

@@ -40,7 +40,7 @@ WRITE_POINTER(WriteFits, GpuFit)
 // fit: one workgroup a hypothesis, all iterations.
 struct FitArgs {
   ReadPatches patches;
-  ReadFloats distances;
+  ReadUlongs distances;  // as distance_io.h says
   ReadWriteFits fits;
   vec3 field_low;  // the first cell's centre, metres
   float cell_m;
@@ -48,6 +48,7 @@ struct FitArgs {
   float patch_area;   // all patches
   vec3 inertia_high;  // xy xz yz
   float margin_m;     // a patch begins to be pushed this far inside the surface
+  uint field_size[3];
   uint patch_count;
   uint max_iterations;
 };
