@@ -3,9 +3,8 @@
 
 #include "engine/error.h"
 #include "shaders/carve_blocks.comp.h"
-#include "shaders/carve_columns.comp.h"
-#include "shaders/carve_rows.comp.h"
 #include "shaders/carve_summary.comp.h"
+#include "shaders/carve_tiles.comp.h"
 #include "shaders/carve_total.comp.h"
 #include "shaders/carve_voxels.comp.h"
 
@@ -45,15 +44,14 @@ Carver::Carver(Gpu& gpu, const GpuRig& rig, int voxels)
       rig_(rig),
       voxels_((checkVoxels(voxels), voxels)),
       bricks_edge_(ceilDivide(static_cast<std::uint32_t>(voxels), kBrickVoxels)),
-      rows_(gpu, "carve_rows", carve_rows_comp, {kCarveWorkgroup}),
-      columns_(gpu, "carve_columns", carve_columns_comp, {kCarveWorkgroup}),
+      tile_kernel_(gpu, "carve_tiles", carve_tiles_comp, {kCarveWorkgroup}),
       top_blocks_(gpu, "carve_blocks_32", carve_blocks_comp, {kCarveWorkgroup, kTopVoxels, kRuns[0], rig.lensKinds()}),
       brick_blocks_(gpu, "carve_blocks_8", carve_blocks_comp, {kCarveWorkgroup, kBrickVoxels, kRuns[1], rig.lensKinds()}),
       small_blocks_(gpu, "carve_blocks_4", carve_blocks_comp, {kCarveWorkgroup, kBlockVoxels, kRuns[2], rig.lensKinds()}),
       voxel_kernel_(gpu, "carve_voxels", carve_voxels_comp, {kCarveWorkgroup, rig.lensKinds()}),
       summary_kernel_(gpu, "carve_summary", carve_summary_comp, {kCarveWorkgroup}),
       total_kernel_(gpu, "carve_total", carve_total_comp),
-      tables_(gpu, rig.tableWords() / 2),
+      tiles_(gpu, rig.tileEntries()),
       brick_states_(gpu, cube(bricks_edge_)),
       words_(gpu, std::size_t(cube(bricks_edge_)) * kBrickWords) {
   for (std::size_t level = 0; level < 3; ++level) {
@@ -71,7 +69,7 @@ void Carver::recordBlocks(Recorder& recorder, const Kernel<CarveBlockArgs>& kern
   const auto at = static_cast<std::size_t>(level);
   CarveBlockArgs args{};
   args.cameras = rig_.cameras();
-  args.tables.address = tables_.raw().address();
+  args.tiles = tiles_;
   if (level > 0) {
     args.parents = mixed_[at - 1];
     args.parent_count = mixed_count_[at - 1];
@@ -98,15 +96,11 @@ void Carver::record(Recorder& recorder, const Buffer<std::uint32_t>& masks) {
   const MixedCount none{0, 1, 1, 0};
   for (Buffer<MixedCount>& count : mixed_count_) recorder.update(count.raw(), &none, sizeof none);
 
-  CarveTableArgs table{};
-  table.cameras = rig_.cameras();
-  table.masks.address = masks.raw().address();
-  table.tables = tables_;
-  table.camera_count = rig_.cameraCount();
-  table.max_lines = rig_.maxTileLines();
-  const std::uint32_t line_groups = groupsFor(table.camera_count * table.max_lines, kCarveWorkgroup);
-  recorder.dispatch(rows_, table, line_groups);
-  recorder.dispatch(columns_, table, line_groups);
+  CarveTileArgs tiles{};
+  tiles.cameras = rig_.cameras();
+  tiles.masks.address = masks.raw().address();  // read as pairs
+  tiles.tiles = tiles_;
+  recorder.dispatch(tile_kernel_, tiles, groupsFor(rig_.maxTileEntries(), kCarveWorkgroup), rig_.cameraCount());
 
   recordBlocks(recorder, top_blocks_, 0);
   recordBlocks(recorder, brick_blocks_, 1);

@@ -55,12 +55,12 @@ class Carver {
   const GpuRig& rig_;
   int voxels_;
   std::uint32_t bricks_edge_;
-  Kernel<CarveTableArgs> rows_, columns_;
+  Kernel<CarveTileArgs> tile_kernel_;
   Kernel<CarveBlockArgs> top_blocks_, brick_blocks_, small_blocks_;
   Kernel<CarveVoxelArgs> voxel_kernel_;
   Kernel<CarveSummaryArgs> summary_kernel_;
   Kernel<CarveTotalArgs> total_kernel_;
-  Buffer<std::uint64_t> tables_;
+  Buffer<std::uint64_t> tiles_;
   Buffer<std::uint32_t> brick_states_, words_;
   std::array<Buffer<MixedBlock>, 3> mixed_;  ///< of 32, 8 and 4 voxels
   std::array<Buffer<MixedCount>, 3> mixed_count_;

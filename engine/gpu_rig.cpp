@@ -10,7 +10,7 @@
 namespace airclay {
 namespace {
 
-static_assert(sizeof(GpuCamera) == 160, "lens.glsl loads it by this size");
+static_assert(sizeof(GpuCamera) == 152, "lens.glsl loads it by this size");
 
 /// The undistorted position, as GpuCamera measures it, of the ray through a pixel; the lens' limit where none
 /// arrives.
@@ -107,22 +107,19 @@ GpuRig::GpuRig(Gpu& gpu, const Rig& rig) : rig_(rig) {
     GpuCamera c = gpuCamera(camera, rig.workspace);
     c.row_words = (c.width + 63) / 64 * 2;
     c.mask_words = mask_words_;
-    // tiles of 4 pixels: below them the tables cost more than the voxels that they save; more where a camera's tiles would pass 16 bits
-    c.tile = 4;
-    while (((c.width + c.tile - 1) / c.tile) * ((c.height + c.tile - 1) / c.tile) > 0xFFFF) c.tile *= 2;
-    c.tiles_x = (c.width + c.tile - 1) / c.tile;
-    c.tiles_y = (c.height + c.tile - 1) / c.tile;
-    c.table_words = table_words_;
+    c.tile_entries = (c.width + kTilePixels * kEntryTiles - 1) / (kTilePixels * kEntryTiles);
+    c.first_entry = tile_entries_;
     c.picture_words = picture_words_;
     c.pixels_before = pixels_;
     picture_words_ += (3 * c.width * c.height + 7) / 8 * 2;
     pixels_ += c.width * c.height;
     max_pixels_ = std::max(max_pixels_, c.width * c.height);
     mask_words_ += c.row_words * c.height;
-    table_words_ += tableStride(c.tiles_x) * (c.tiles_y + 1);
+    const std::uint32_t tile_rows = (c.height + kTilePixels - 1) / kTilePixels;
+    tile_entries_ += c.tile_entries * tile_rows;
+    max_entries_ = std::max(max_entries_, c.tile_entries * tile_rows);
     max_rows_ = std::max(max_rows_, c.height);
     max_row_words_ = std::max(max_row_words_, c.row_words);
-    max_tile_lines_ = std::max({max_tile_lines_, c.tiles_x, c.tiles_y});
     host_cameras_.push_back(c);
   }
   cameras_ = Buffer<GpuCamera>(gpu, host_cameras_);

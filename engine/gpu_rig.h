@@ -29,7 +29,9 @@ class GpuRig {
 
   /// Words of all masks together (see camera_io.h for their layout).
   std::uint32_t maskWords() const { return mask_words_; }
-  std::uint32_t tableWords() const { return table_words_; }
+  /// Entries of all masks' tiles (carve_io.h), and the largest number of any camera's.
+  std::uint32_t tileEntries() const { return tile_entries_; }
+  std::uint32_t maxTileEntries() const { return max_entries_; }
   /// Words of all pictures together: BGR bytes, rows without padding, each camera's picture at a whole word; and one word more, so that
   /// a kernel may read four pixels from any byte.
   std::uint32_t pictureWords() const { return picture_words_ + 1; }
@@ -42,10 +44,9 @@ class GpuRig {
     const GpuCamera& c = host_cameras_[camera];
     return {reinterpret_cast<std::uint8_t*>(pictures.data() + c.picture_words), std::size_t(3) * c.width * c.height};
   }
-  /// The largest number of rows, and of words a row, of any camera's mask; of tile rows or columns.
+  /// The largest number of rows, and of words a row, of any camera's mask.
   std::uint32_t maxRows() const { return max_rows_; }
   std::uint32_t maxRowWords() const { return max_row_words_; }
-  std::uint32_t maxTileLines() const { return max_tile_lines_; }
 
   /// The size that all cameras share, {0, 0} where they differ: specialization constants 1 and 2 of picture.glsl.
   std::array<std::uint32_t, 2> sameSize() const;
@@ -61,7 +62,7 @@ class GpuRig {
   Rig rig_;
   std::vector<GpuCamera> host_cameras_;
   Buffer<GpuCamera> cameras_;
-  std::uint32_t mask_words_ = 0, table_words_ = 0, max_rows_ = 0, max_row_words_ = 0, max_tile_lines_ = 0, picture_words_ = 0, pixels_ = 0, max_pixels_ = 0;
+  std::uint32_t mask_words_ = 0, tile_entries_ = 0, max_entries_ = 0, max_rows_ = 0, max_row_words_ = 0,  picture_words_ = 0, pixels_ = 0, max_pixels_ = 0;
 };
 
 /// The kernels' form of a camera, all but the memory layout.

@@ -29,10 +29,8 @@ struct GpuCamera {
   uint width;
   uint height;
   uint lens;
-  uint tile;          // pixels along a tile's edge, 4 or more: tiles carry the summed-area tables
-  uint tiles_x;
-  uint tiles_y;
-  uint table_words;   // uints before this camera's tables
+  uint tile_entries;  // entries a row of tiles (carve_io.h)
+  uint first_entry;   // before this camera's tiles
   uint row_words;     // words a row of the mask
   uint mask_words;    // words before this camera's mask
   uint picture_words;  // words before this camera's picture

@@ -55,15 +55,19 @@ uint verdict(GpuCamera camera, vec3 center, float half_size) {
   const bool whole = all(greaterThanEqual(low, vec2(-0.5))) && all(lessThan(high, size - 0.5));
   if (!whole) return kUndecided;
 
-  const uvec2 first = uvec2(floor(low + 0.5)) / camera.tile;
-  const uvec2 end = uvec2(floor(high + 0.5)) / camera.tile + 1;
-  const uint stride = tableStride(camera.tiles_x);
-  const uint top = camera.table_words + first.y * stride, bottom = camera.table_words + end.y * stride;
-  const uint sum = args.tables.at[bottom + end.x] - args.tables.at[top + end.x] - args.tables.at[bottom + first.x] +
-                   args.tables.at[top + first.x];
-  const uvec2 extent = end - first;
-  if (sum >> 16 == 0) return kOutside;
-  return (sum & 0xFFFFu) == extent.x * extent.y ? kInside : kUndecided;
+  // any and all over the rectangle's tiles
+  const uvec2 first = uvec2(floor(low + 0.5)) / kTilePixels, last = uvec2(floor(high + 0.5)) / kTilePixels;
+  uint any_set = 0, any_clear = 0;
+  for (uint y = first.y; y <= last.y; ++y)
+    for (uint entry = first.x / kEntryTiles; entry <= last.x / kEntryTiles; ++entry) {
+      const uint from = max(first.x, entry * kEntryTiles) % kEntryTiles;
+      const uint to = min(last.x, entry * kEntryTiles + kEntryTiles - 1) % kEntryTiles;
+      const uint columns = (~0u << from) & (~0u >> (kEntryTiles - 1 - to));
+      const uvec2 tiles = unpackUint2x32(args.tiles.at[camera.first_entry + y * camera.tile_entries + entry]);
+      any_set |= tiles.x & columns;
+      any_clear |= ~tiles.y & columns;
+    }
+  return any_set == 0 ? kOutside : any_clear == 0 ? kInside : kUndecided;
 }
 
 void writeUniform(uvec3 block, bool full) {

@@ -55,31 +55,25 @@ READ_POINTER(ReadUlongs, uint64_t)
 WRITE_POINTER(WriteUlongs, uint64_t)
 READ_WRITE_POINTER(ReadWriteUlongs, uint64_t)
 
-// Entries a row of a table: even, so that two entries can be read as one.
-#ifdef __cplusplus
-inline
-#endif
-uint tableStride(uint tiles_x) { return (tiles_x + 2) / 2 * 2; }
-
 // Workgroup size of all but the summary's second step.
 const uint kCarveWorkgroup = 64;
 
-// carve_rows: for each tile of each mask whether any and whether all of its pixels are set; sums along tile rows.
-// carve_columns: the sums down the columns: a summed-area table (Crow 1984) with a leading row and column of zeros. An entry counts the `any` tiles
-// in its high half and the `all` tiles in its low half; sums and differences of entries are right in both halves, for none exceeds 16 bits.
-struct CarveTableArgs {
+// carve_tiles: for each tile of 4 x 4 pixels of each mask whether any, and whether all of its pixels are set. An entry is 32 tiles of a row: `any` in
+// its low word, `all` in its high one. A block's rectangle is then a few loads; summed-area tables would cost more to build than they save.
+const uint kTilePixels = 4;
+const uint kEntryTiles = 32;
+
+struct CarveTileArgs {
   ReadCameras cameras;
-  ReadUlongs masks;         // two words at a time
-  ReadWriteUlongs tables;   // two entries at a time
-  uint camera_count;
-  uint max_lines;  // the largest number of tile rows (columns) of a camera
+  ReadUlongs masks;  // two words at a time
+  WriteUlongs tiles;
 };
 
 // carve_blocks: classes the children of mixed blocks, a run of children along x an invocation.
 // Specialization constants: 1 voxels along a child's edge, 2 children in a run.
 struct CarveBlockArgs {
   ReadCameras cameras;
-  ReadUints tables;
+  ReadUlongs tiles;
   ReadMixedBlocks parents;       // 0 at the top: one parent, the cube
   ReadMixedCounts parent_count;  // 0 at the top
   WriteMixedBlocks mixed;

@@ -144,7 +144,9 @@ void main() {
   const uint index = invocation();
   if (index >= args.data_point_count) return;
   const GpuContactFrame frame = args.frame.at[0];
-  GpuContactPoint point = args.points.at[index];
+  const uint state = args.points.at[index].state;
+  GpuContactPoint point = GpuContactPoint(args.points.at[index].position, state, vec3(0), 0, 0, 0, 0, 0);
+  if (state == kPointReached) point = args.points.at[index];
   const vec3 position = args.data_points.at[index];
   Way way;
   way.rotation_to = frame.rotation_now;
@@ -164,12 +166,15 @@ void main() {
   if (frame.mode == kFrameStart) {
     point.state = distance_m <= 0 ? kPointIgnored : kPointOutside;
     point.depth = 0;
-  } else if (point.state == kPointIgnored) {
+  } else if (state == kPointIgnored) {
     if (distance_m > kContactLeft) point.state = kPointOutside;
   } else {
-    const bool reached = point.state == kPointReached;
+    const bool reached = state == kPointReached;
     const bool released = reached && follow(way, distance_m, point);
     if (!reached || released) sweep(way, released, point);
   }
-  args.points.at[index] = point;
+  if (frame.mode == kFrameSweep && state == kPointOutside && point.state == kPointOutside)
+    args.points.at[index].position = position;  // most points: all that changes
+  else
+    args.points.at[index] = point;
 }

@@ -11,9 +11,13 @@ layout(push_constant, scalar) uniform Push { ContactPushArgs args; };
 void main() {
   const uint index = invocation();
   if (index >= args.data_point_count) return;
+  if (args.points.at[index].state != kPointReached) {
+    args.displacements.at[index] = vec3(0);
+    return;
+  }
   GpuContactPoint point = args.points.at[index];
   float push = 0;
-  if (point.state == kPointReached && point.depth > 0) {
+  if (point.depth > 0) {
     const float plain = point.pushed + args.frame.at[0].step * point.depth;
     push = plain + args.frame.at[0].momentum * (plain - point.pushed_plain) - point.pushed;
     point.pushed_plain = plain;

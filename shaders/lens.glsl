@@ -12,7 +12,7 @@ vec2 pairAt(ReadCameraWords words, uint index) { return uintBitsToFloat(unpackUi
 
 // A camera by loads of two words. The order is GpuCamera's.
 GpuCamera loadCamera(ReadCameras cameras, uint index) {
-  ReadCameraWords words = ReadCameraWords(uint64_t(cameras) + 160ul * index);
+  ReadCameraWords words = ReadCameraWords(uint64_t(cameras) + 152ul * index);
   GpuCamera camera;
   const vec2 r0 = pairAt(words, 0), r1 = pairAt(words, 1), r2 = pairAt(words, 2), r3 = pairAt(words, 3),
              r4 = pairAt(words, 4), r5 = pairAt(words, 5);
@@ -30,15 +30,13 @@ GpuCamera loadCamera(ReadCameras cameras, uint index) {
   camera.visible = range.y;
   camera.steepness = steep.x;
   camera.cross_steepness = steep.y;
-  const uvec2 size = unpackUint2x32(words.at[14]), kind = unpackUint2x32(words.at[15]), tiles = unpackUint2x32(words.at[16]),
-              rows = unpackUint2x32(words.at[17]), masks = unpackUint2x32(words.at[18]);
+  const uvec2 size = unpackUint2x32(words.at[14]), kind = unpackUint2x32(words.at[15]), rows = unpackUint2x32(words.at[16]),
+              masks = unpackUint2x32(words.at[17]);
   camera.width = size.x;
   camera.height = size.y;
   camera.lens = kind.x;
-  camera.tile = kind.y;
-  camera.tiles_x = tiles.x;
-  camera.tiles_y = tiles.y;
-  camera.table_words = rows.x;
+  camera.tile_entries = kind.y;
+  camera.first_entry = rows.x;
   camera.row_words = rows.y;
   camera.mask_words = masks.x;
   camera.picture_words = masks.y;

@@ -18,14 +18,14 @@ uint words[kScoreLevels];  // of this invocation
 // Adds pixel `bit` to the words of the levels that its score reaches. Scores are compared as squares.
 void addPixel(uint pixel, uint model, uint bit) {
   const vec3 seen = channels(pixel), expected = channels(model);
-  const float square = max(dot(expected, expected), 1.0);
-  const float alpha = dot(seen, expected) / square;
-  const vec3 rest = seen - alpha * expected;
   const float tolerance = (kColourSpreads * kSpreadStep) * float(model >> 24);
-  // the brightness of a dark background is mostly noise: its spread widens both limits
-  const float slack = tolerance * inversesqrt(square);
-  const float brightness = alpha > 1 ? (alpha - 1) / (kBrightest - 1 + slack) : (1 - alpha) / (1 - kDarkest + slack);
-  const float score = max(dot(rest, rest) / (tolerance * tolerance), brightness * brightness);
+  const float square = max(dot(expected, expected), 1.0), along = dot(seen, expected);  // α = along / square
+  const float root = inversesqrt(square);
+  // |I - α E|², and |α - 1| over what it may be; the brightness of a dark background is mostly noise: its spread widens both limits
+  const float rest = dot(seen, seen) - along * along * root * root;
+  const float change = abs(along - square);
+  const float allowed = (along > square ? kBrightest - 1 : 1 - kDarkest) * square + tolerance * square * root;
+  const float score = max(rest / (tolerance * tolerance), change * change / (allowed * allowed));
   for (uint level = 0; level < kScoreLevels; ++level) words[level] |= score >= float(1u << 2 * level) ? 1u << bit : 0u;
 }
 
