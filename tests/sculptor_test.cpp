@@ -19,10 +19,10 @@ struct Workshop {
   Workshop(const std::string& preset, int levels, SolveRows rows, const HandModel& hand,
            const Vec3& workspace_center = Vec3::Zero())
       : gpu(testGpu()),
+        skin(hand.skin),
         clay(gpu, ClayOptions{presetCage(preset), SubdivisionRule::kCatmullClark, levels, rows},
              workspace_center),
         sculptor(gpu, clay, hand),
-        grid(contactGrid(hand.skin)),
         fit(gpu, 1, Memory::kHost),
         recorder(gpu) {}
 
@@ -40,7 +40,8 @@ struct Workshop {
   }
 
   /// The surface's deepest point in the hand, by the surface and the hand alone.
-  double deepest() const {
+  double deepest() {
+    if (grid.values.empty()) grid = contactGrid(skin);
     const GpuFit& hand = fit.host()[0];
     const Eigen::Quaterniond rotation(Eigen::Vector4d(hand.rotation.cast<double>()));
     double deepest = 0;
@@ -51,6 +52,7 @@ struct Workshop {
   }
 
   Gpu& gpu;
+  TriangleMesh skin;
   Clay clay;
   Sculptor sculptor;
   DistanceGrid grid;
@@ -132,10 +134,13 @@ TEST(Sculptor, ALonePointEndsOnTheHandNotBeyond) {
 TEST(Sculptor, TheSameFramesGiveTheSameBits) {
   std::vector<std::vector<vec3>> runs;
   for (int run = 0; run < 2; ++run) {
-    Workshop workshop("vase", 3, SolveRows::kAll, builtInHand(false));
-    for (int i = 0; i <= 8; ++i)
-      workshop.frame(fitAt(Vec3(0.25 - 0.02 * i, 0, 0), Eigen::Quaterniond(Eigen::AngleAxisd(
-                                                            M_PI + 0.05 * i, Vec3(0, 0.1, 1).normalized()))));
+    Workshop workshop("vase", 2, SolveRows::kAll, builtInHand(false));
+    int repeats = 0;
+    for (int i = 0; i <= 6; ++i) {
+      const Eigen::Quaterniond rotation(Eigen::AngleAxisd(M_PI + 0.05 * i, Vec3(0, 0.1, 1).normalized()));
+      repeats += workshop.frame(fitAt(Vec3(0.23 - 0.02 * i, 0, 0), rotation)).repeats;
+    }
+    EXPECT_GT(repeats, 5) << "the hand must have done something";
     runs.push_back(workshop.clay.dataPoints().download());
   }
   EXPECT_EQ(std::memcmp(runs[0].data(), runs[1].data(), runs[0].size() * sizeof(vec3)), 0);
