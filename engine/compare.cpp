@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "engine/carve.h"
+#include "engine/contact.h"
 #include "engine/demo_scene.h"
 #include "engine/fit.h"
 #include "engine/hand_model.h"
@@ -14,14 +15,18 @@
 #include "engine/silhouette.h"
 #include "engine/solve.h"
 #include "engine/subdivide.h"
+#include "engine/tracker.h"
 #include "shaders/fit_choose.comp.h"
 
 namespace airclay {
 namespace {
 
 constexpr int kBackgroundFrames = 8;
-constexpr int kPressingFrame = 48;  // the hand is against the clay's side
+constexpr int kPressingFrame = 54;  // the hand is against the clay's side
 constexpr int kVoxels = 128;
+// The kernel subtracts squares of grey levels, up to 3 · 255², in float: scores nearer to a level may fall on
+// either side.
+constexpr double kNearLevel = 1e-4;
 
 class Comparisons {
  public:
@@ -35,6 +40,11 @@ class Comparisons {
   std::string device_;
   std::vector<KernelComparison> list_;
 };
+
+/// The larger of the two; NaN where one is, so that it doesn't pass.
+double larger(double a, double b) {
+  return a >= b || std::isnan(a) ? a : b;
+}
 
 /// The demo's scene up to the masks of one frame.
 struct Scene {
@@ -90,9 +100,9 @@ void compareBackground(Scene& scene, Comparisons& comparisons) {
     for (std::size_t i = 0; i < expected.size(); ++i) {
       const BackgroundPixel learned = backgroundPixel(model[scene.gpu_rig.camera(c).pixels_before + i]);
       for (int k = 0; k < 3; ++k)
-        error = std::max(error, beyondRounding(learned.mean[k], expected[i].mean[k], 1));
+        error = larger(error, beyondRounding(learned.mean[k], expected[i].mean[k], 1));
       const double spread = std::min(expected[i].spread, 255.0 * kSpreadStep);  // it is kept in a byte
-      error = std::max(error, beyondRounding(learned.spread, spread, kSpreadStep));
+      error = larger(error, beyondRounding(learned.spread, spread, kSpreadStep));
     }
   }
   comparisons.add("background, grey levels", error, 1e-4);
@@ -100,10 +110,10 @@ void compareBackground(Scene& scene, Comparisons& comparisons) {
 
 /// Marks the pixels about one whose score is so near to a level that float and double may part.
 void exemptAround(std::vector<char>& exempt, const Mask& mask, std::size_t pixel) {
-  // a level taken the other way shows up to two pixels away (edges.comp)
+  // a level taken the other way shows in the neighbours, too (edges.comp)
   const int x = static_cast<int>(pixel) % mask.width, y = static_cast<int>(pixel) / mask.width;
-  for (int v = std::max(y - 2, 0); v <= std::min(y + 2, mask.height - 1); ++v)
-    for (int u = std::max(x - 2, 0); u <= std::min(x + 2, mask.width - 1); ++u)
+  for (int v = std::max(y - 1, 0); v <= std::min(y + 1, mask.height - 1); ++v)
+    for (int u = std::max(x - 1, 0); u <= std::min(x + 1, mask.width - 1); ++u)
       exempt[std::size_t(v * mask.width + u)] = 1;
 }
 
@@ -115,7 +125,7 @@ std::size_t differentlySegmented(const std::vector<std::uint8_t>& bgr, std::span
   for (std::size_t i = 0; i < scores.size(); ++i) {
     scores[i] = scoreReference(Vec3(bgr[3 * i], bgr[3 * i + 1], bgr[3 * i + 2]), backgroundPixel(model[i]));
     for (const double level : {1, 2, 4, 8})
-      if (std::abs(scores[i] - level) < 1e-5 * level) exemptAround(exempt, segmented, i);
+      if (std::abs(scores[i] - level) < kNearLevel * level) exemptAround(exempt, segmented, i);
   }
   const Mask expected = edgesReference(segmented.width, segmented.height, scores);
   std::size_t different = 0;
@@ -209,8 +219,8 @@ struct FitDifference {
 
 FitDifference compareFits(Scene& scene, const DistanceField& field, const FieldGrid& grid, Fitter& fitter,
                           const FitLimits& limits) {
-  const std::vector<float> floats = field.distances().download();
-  const std::vector<double> distances(floats.begin(), floats.end());
+  const std::vector<float> metres = field.download(grid);
+  const std::vector<double> distances(metres.begin(), metres.end());
   const std::vector<GpuFit> starts =
       startsAround(*scene.cameras.pose(kPressingFrame), fitter.model(), scene.rig.workspace);
   const Buffer<GpuFit> fits(scene.gpu, starts);
@@ -222,10 +232,9 @@ FitDifference compareFits(Scene& scene, const DistanceField& field, const FieldG
   for (std::size_t i = 0; i < starts.size(); ++i) {
     const GpuFit expected = fitReference(fitter.model(), distances, grid, starts[i], limits);
     const Vec3 apart_m = found[i].position.cast<double>() - expected.position.cast<double>();
-    // max() would drop a NaN that stands on its right
-    difference.position_m = std::max(apart_m.norm(), difference.position_m);
+    difference.position_m = larger(apart_m.norm(), difference.position_m);
     difference.rotation =
-        std::max(rotationOf(found[i]).angularDistance(rotationOf(expected)), difference.rotation);
+        larger(rotationOf(found[i]).angularDistance(rotationOf(expected)), difference.rotation);
   }
   return difference;
 }
@@ -265,23 +274,21 @@ void compareHand(Scene& scene, const VoxelGrid& hull, Comparisons& comparisons) 
   Fitter fitter(scene.gpu, fitModel(builtInHand(false)));
   const FitModel& model = fitter.model();
   const Pose truth = *scene.cameras.pose(kPressingFrame);
-  const Vec3 center = truth * model.gravity_center - scene.rig.workspace.center;
-  // what tracking uses: the hand, and as far again as it moves between two frames
-  const FieldGrid grid = placeField(scene.carver, center, model.radius_m + 0.045);
+  const FieldGrid grid = gridAround(scene.carver, model, fitFromPose(truth, model, scene.rig.workspace));
   DistanceField field(scene.gpu);
   scene.recorder.begin();
   field.record(scene.recorder, scene.carver, grid);
   scene.recorder.submitAndWait();
-  const std::vector<float> distances = field.distances().download();
+  const std::vector<float> distances = field.download(grid);
   const std::vector<double> expected = distanceReference(hull, grid);
   double error = 0;
   for (std::size_t i = 0; i < expected.size(); ++i)
-    error = std::max(std::abs(distances[i] - expected[i]), error);
+    error = larger(std::abs(distances[i] - expected[i]), error);
   comparisons.add("distance, cells", error / grid.cell_m, 1e-5);
 
   const FitDifference step = compareFits(scene, field, grid, fitter, {1});
   comparisons.add("fit step, hand's radii and radians",
-                  std::max(step.position_m / model.radius_m, step.rotation), 1e-5);
+                  larger(step.position_m / model.radius_m, step.rotation), 1e-5);
   const FitDifference pose = compareFits(scene, field, grid, fitter, {});
   comparisons.add("fit pose, mm", 1000 * pose.position_m, 0.1);
   comparisons.add("fit pose, degrees", 180 / M_PI * pose.rotation, 0.05);
@@ -307,7 +314,7 @@ double relativeError(const std::vector<Vec3>& found, const std::vector<Vec3>& ex
   double largest = 0, error = 0;
   for (std::size_t i = 0; i < expected.size(); ++i) {
     largest = std::max(expected[i].norm(), largest);
-    error = std::max((found[i] - expected[i]).norm(), error);
+    error = larger((found[i] - expected[i]).norm(), error);
   }
   return error / largest;
 }
@@ -355,6 +362,61 @@ void compareSolve(Gpu& gpu, Comparisons& comparisons) {
   comparisons.add("solve", relativeError(found, expected), 1e-5);
 }
 
+// --- contact ---
+
+ContactPoint doubleOf(const GpuContactPoint& point) {
+  return {point.position.cast<double>(),
+          point.state,
+          point.direction.cast<double>(),
+          point.depth,
+          point.depth_before,
+          point.pushed};
+}
+
+/// The hand comes through the clay, which stays, frame by frame; each frame's check starts from the kernel's
+/// own last one.
+void compareContact(Scene& scene, Comparisons& comparisons) {
+  const HandModel hand = builtInHand(false);
+  const FitModel model = fitModel(hand);
+  const DistanceGrid grid = contactGrid(hand.skin);
+  const PolygonMesh cage = presetCage("tube");
+  const std::vector<Vec3> surface =
+      dataPoints(subdivide(cage, 2, SubdivisionRule::kCatmullClark).matrix, cage.points);
+  const Buffer<vec3> data_points(scene.gpu, floats(surface));
+  const std::vector<Vec3> rounded = doubles(data_points.download());
+  Buffer<GpuFit> fit(scene.gpu, 1, Memory::kHost);
+  ContactFinder finder(scene.gpu, grid, static_cast<std::uint32_t>(surface.size()));
+  std::vector<ContactPoint> points(surface.size());
+  ContactPose before;
+  double error_m = 0;
+  std::size_t reached = 0;
+  for (int frame = scene.cameras.backgroundFrames(); frame <= kPressingFrame; frame += 2) {
+    fit.host()[0] = fitFromPose(*scene.cameras.pose(frame), model, scene.rig.workspace);
+    fit.host()[0].tracked = 1;
+    scene.recorder.begin();
+    finder.recordFrame(scene.recorder, fit, true, data_points);
+    scene.recorder.submitAndWait();
+    const ContactPose now{rotationOf(fit.host()[0]), fit.host()[0].position.cast<double>()};
+    const bool start = frame == scene.cameras.backgroundFrames();
+    const std::vector<GpuContactPoint> found = finder.points();
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      contactReference(grid, {start ? now : before, now, start, true}, rounded[i], points[i]);
+      const double found_m = found[i].depth, expected_m = points[i].depth_m;
+      // a point that only grazes the hand may be reached by one and not by the other: then it is as deep as
+      // it is wrong
+      const double apart_m = found[i].state == points[i].state
+                                 ? std::abs(found_m - expected_m)
+                                 : std::max(std::abs(found_m), std::abs(expected_m));
+      error_m = larger(apart_m, error_m);
+      reached += points[i].state == kPointReached;
+      points[i] = doubleOf(found[i]);
+    }
+    before = now;
+  }
+  // nothing reached would be nothing compared
+  comparisons.add("contact, mm", reached > 0 ? 1000 * error_m : NAN, 0.01);
+}
+
 }  // namespace
 
 std::vector<KernelComparison> compareKernels(Gpu& gpu) {
@@ -367,6 +429,7 @@ std::vector<KernelComparison> compareKernels(Gpu& gpu) {
   compareSurface(gpu, SubdivisionRule::kCatmullClark, "catmull-clark", comparisons);
   compareSurface(gpu, SubdivisionRule::kPrinted, "printed", comparisons);
   compareSolve(gpu, comparisons);
+  compareContact(scene, comparisons);
   return comparisons.take();
 }
 

@@ -30,6 +30,8 @@ class DemoCameras {
 
   /// One frame's pictures in GpuRig's layout, valid until the next call. The same frame has the same bytes.
   const Buffer<std::uint32_t>& draw(int frame);
+  /// What draw() drew last.
+  const Buffer<std::uint32_t>& pictures() const { return sensor_.pictures(); }
 
  private:
   HandScript script_ = demoScript();

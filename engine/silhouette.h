@@ -71,7 +71,7 @@ std::vector<BackgroundPixel> learnBackgroundReference(const std::vector<std::vec
 /// How far a pixel differs from the background, in units of what may differ by chance (silhouette_io.h).
 double scoreReference(const Vec3& seen, const BackgroundPixel& background);
 
-/// The mask from a picture's scores: at least 1, and not beside one that is more than twice as high in the octaves of silhouette_io.h.
+/// The mask from a picture's scores: at least 1, and not the smear of an edge (EdgeArgs in silhouette_io.h).
 Mask edgesReference(int width, int height, const std::vector<double>& scores);
 
 Mask majorityReference(const Mask& mask);

@@ -71,11 +71,14 @@ Mask edgesReference(int width, int height, const std::vector<double>& scores) {
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const int own = octave(scores[std::size_t(y * width + x)]);
-      int highest = own;
-      for (int v = std::max(y - 2, 0); v <= std::min(y + 2, height - 1); ++v)
-        for (int u = std::max(x - 2, 0); u <= std::min(x + 2, width - 1); ++u)
+      int highest = own, lowest = own;
+      for (int v = std::max(y - 1, 0); v <= std::min(y + 1, height - 1); ++v)
+        for (int u = std::max(x - 1, 0); u <= std::min(x + 1, width - 1); ++u) {
           highest = std::max(highest, octave(scores[std::size_t(v * width + u)]));
-      mask.pixels[std::size_t(y * width + x)] = own >= 0 && highest < own + 2 ? 255 : 0;
+          lowest = std::min(lowest, octave(scores[std::size_t(v * width + u)]));
+        }
+      const bool smear = lowest < 0 && highest >= own + 2;
+      mask.pixels[std::size_t(y * width + x)] = own >= 0 && !smear ? 255 : 0;
     }
   return mask;
 }

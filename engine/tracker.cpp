@@ -60,6 +60,13 @@ std::vector<Eigen::Quaterniond> spreadRotations(int count) {
   return rotations;
 }
 
+FieldGrid gridAround(const Carver& carver, const FitModel& model, const GpuFit& fit) {
+  const Mat3 turn = rotationOf(fit).normalized().toRotationMatrix();
+  Eigen::AlignedBox3d box;
+  for (const GpuPatch& patch : model.patches) box.extend(Vec3(turn * patch.center.cast<double>()));
+  return placeField(carver, fit.position.cast<double>() + box.center(), 0.5 * box.sizes() + Vec3::Constant(kReachAround));
+}
+
 HandTracker::HandTracker(Gpu& gpu, const GpuRig& rig, const HandModel& hand, const Carver& carver)
     : gpu_(gpu),
       rig_(rig),
@@ -94,13 +101,6 @@ FitChooseArgs HandTracker::chooseArgs(std::uint32_t count, double cell_m) const 
   return args;
 }
 
-FieldGrid HandTracker::gridAround(const GpuFit& fit) const {
-  const Mat3 turn = rotationOf(fit).normalized().toRotationMatrix();
-  Eigen::AlignedBox3d box;
-  for (const GpuPatch& patch : model().patches) box.extend(Vec3(turn * patch.center.cast<double>()));
-  return placeField(carver_, fit.position.cast<double>() + box.center(), 0.5 * box.sizes() + Vec3::Constant(kReachAround));
-}
-
 void HandTracker::recordTracking(Recorder& recorder) {
   std::uint32_t count = 1;
   fits_.host()[0] = last_;
@@ -111,7 +111,7 @@ void HandTracker::recordTracking(Recorder& recorder) {
     fits_.host()[1] = fitAt((turn * rotationOf(last_)).normalized(), 2 * position - before);
     count = 2;
   }
-  const FieldGrid grid = gridAround(last_);
+  const FieldGrid grid = gridAround(carver_, model(), last_);
   field_.record(recorder, carver_, grid);
   fitter_.record(recorder, field_, grid, fits_, count, {});
   recorder.dispatch(choose_, chooseArgs(count, grid.cell_m), 1);

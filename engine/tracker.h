@@ -39,8 +39,6 @@ class HandTracker {
     GpuFit fit;
     double uncovered = 0;
   };
-  /// Around the skin in that pose, and as far as a hand moves between two frames.
-  FieldGrid gridAround(const GpuFit& fit) const;
   std::vector<Vec3> occupiedCells(const FieldGrid& grid) const;
   std::vector<Candidate> fitAll(Recorder& recorder, Fitter& fitter, const FieldGrid& grid, const std::vector<GpuFit>& starts,
                                 int iterations, std::vector<std::pair<std::string, double>>& stage_ms);
@@ -65,6 +63,9 @@ class HandTracker {
   GpuFit last_{}, before_last_{};
   int frames_ = 0;  ///< finished in a row: the last two make a motion
 };
+
+/// The cells around the skin in that pose, and as far as a hand moves between two frames.
+FieldGrid gridAround(const Carver& carver, const FitModel& model, const GpuFit& fit);
 
 /// `count` rotations spread evenly over all (Alexa 2022, "Super-Fibonacci Spirals: Fast, Low-Discrepancy Sampling of SO(3)").
 std::vector<Eigen::Quaterniond> spreadRotations(int count);

@@ -10,6 +10,11 @@ layout(push_constant, scalar) uniform Push { EdgeArgs args; };
 
 const int kReach = 1;  // pixels: chroma is coded at half the resolution
 
+// The bits of a row's word that are pixels.
+uint pixelsOf(Picture camera, uint word) {
+  return word + 1 < camera.row_words || camera.width % 32 == 0 ? ~0u : (1u << camera.width % 32) - 1;
+}
+
 void main() {
   const Picture camera = pictureOf(args.cameras, gl_WorkGroupID.y);
   const uint y = gl_GlobalInvocationID.x / camera.row_words, w = gl_GlobalInvocationID.x % camera.row_words;
@@ -31,9 +36,10 @@ void main() {
     for (uint level = 0; level < kScoreLevels; ++level) {
       if (level == 1) continue;
       const uint flip = level == 0 ? ~0u : 0u;
-      const uint here = args.levels.at[kScoreLevels * at + level] ^ flip;
+      const uint here = (args.levels.at[kScoreLevels * at + level] ^ flip) & pixelsOf(camera, w);
       const uint before = w > 0 ? args.levels.at[kScoreLevels * (at - 1) + level] ^ flip : 0;
-      const uint behind = w + 1 < camera.row_words ? args.levels.at[kScoreLevels * (at + 1) + level] ^ flip : 0;
+      const uint behind =
+          w + 1 < camera.row_words ? (args.levels.at[kScoreLevels * (at + 1) + level] ^ flip) & pixelsOf(camera, w + 1) : 0;
       near[level] |= here;
       for (int dx = 1; dx <= kReach; ++dx)
         near[level] |= here << dx | before >> (32 - dx) | here >> dx | behind << (32 - dx);

@@ -45,8 +45,9 @@ struct SegmentArgs {
   WriteUints levels;
 };
 
-// edges: the masks from the levels. A pixel is object when its score is 1 and no neighbour's within two pixels is more than twice its own:
-// lenses and video coding smear an edge over some pixels, and the object ends where the score has fallen to half.
+// edges: the masks from the levels. A pixel is object when its score is at least 1, unless it is the smear of an edge: beside background on one
+// side, and on another beside a score of 4 or more (its own below 2) or of 8 or more (its own below 4). Lenses and video coding smear an edge over some
+// pixels, and the object ends where the score has fallen to half.
 struct EdgeArgs {
   ReadCameras cameras;
   ReadUints levels;
