@@ -34,7 +34,7 @@ struct Pipeline::Parts {
         tracker(gpu, gpu_rig, hand, carver),
         recorder(gpu) {
     if (!clay_options) return;
-    clay = std::make_unique<Clay>(gpu, *clay_options, rig.workspace);
+    clay = std::make_unique<Clay>(gpu, *clay_options, rig.workspace.center);
     sculptor = std::make_unique<Sculptor>(gpu, *clay, hand);
   }
 
