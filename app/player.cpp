@@ -23,8 +23,8 @@ double millisecondsSince(std::chrono::steady_clock::time_point start) {
 
 void addTakeOptions(CLI::App& command, TakeWords& words) {
   command
-      .add_option("take", words.folder, "the recording: a folder with rig.toml and videos, pictures or masks")
-      ->type_name("TAKE")
+      .add_option("TAKE", words.folder, "the recording: a folder with rig.toml and videos, pictures or masks")
+      ->type_name("")
       ->required();
   command.add_option("--units", words.units, "the rig's unit, where its file doesn't say: m or mm")
       ->check(CLI::IsMember({"m", "mm"}).description(""))

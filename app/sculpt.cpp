@@ -46,10 +46,6 @@ Vec3 placeFrom(const std::string& text) {
 /// The cage where and as large as it is wanted: --place moves the middle of its bounds, --size is their
 /// longest side. A preset without a place stands in the workspace's centre, a file where its coordinates say.
 PolygonMesh placedCage(const SculptOptions& options, const Workspace& workspace) {
-  if (options.clay.ends_with(".clay"))
-    throw Error(
-        "--clay " + options.clay + ": documents cannot be opened yet; a preset or an OBJ would be right",
-        Fault::kUsage);
   PolygonMesh cage = loadCage(options.clay);
   Eigen::AlignedBox3d bounds;
   for (const Vec3& point : cage.points) bounds.extend(point);
@@ -83,6 +79,10 @@ void refuseWhatComesLater(const SculptOptions& options) {
         Fault::kUsage);
   if (!options.save.empty())
     throw Error("--save does not exist yet; cage.obj in --out holds the result", Fault::kUsage);
+  if (options.clay.ends_with(".clay"))
+    throw Error(
+        "--clay " + options.clay + ": documents cannot be opened yet; a preset or an OBJ would be right",
+        Fault::kUsage);
   if (options.take.folder.empty())
     throw Error("say which recording: airclay sculpt TAKE; `airclay sculpt --help` says more", Fault::kUsage);
 }

@@ -209,7 +209,7 @@ TEST(App, HullOfMasksAtAnyScale) {
     const VoxelGrid reference = carveReference(take.rig, take.masks, 64);
     const std::size_t occupied = hullFigures(reference, take.rig.workspace).occupied;
     std::size_t doubtful = 0;  // float and double may part there
-    for (const std::uint8_t is_edge : edgeVoxels(take.rig, take.masks, 64, 0.05)) doubtful += is_edge;
+    for (const std::uint8_t is_edge : edgeVoxels(take.rig, take.masks, 64, 0.01)) doubtful += is_edge;
     EXPECT_LT(doubtful, occupied / 10);
     EXPECT_NEAR(figures["occupied"].get<double>(), double(occupied), double(doubtful));
     const double voxel_m = take.rig.workspace.edge_m / 64;
