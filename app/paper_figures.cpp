@@ -4,6 +4,9 @@
 #include <cmath>
 
 #include "app/page.h"
+#include "app/player.h"
+#include "capture/synthetic.h"
+#include "engine/clay.h"
 #include "engine/demo_scene.h"
 #include "engine/presets.h"
 #include "engine/sensor.h"
@@ -281,10 +284,50 @@ Picture cameraSystem(Gpu& gpu, const HandModel& hand) {
   return page.picture();
 }
 
+/// The moments of fig. 6 in the demo's script, seconds: beside the clay, pressing, pressed in, away, pressing
+/// from above, away.
+constexpr double kMoments[] = {1.25, 1.6, 1.95, 2.6, 4.75, 5.4};
+
+/// Fig. 6: the demo's hand deforms the clay, from pixels on.
+Picture deformation(Gpu& gpu, const HandModel& hand, int voxels, const std::function<void()>& step_done) {
+  Synthetic recording(gpu);
+  const ClayOptions clay{presetCage("tube")};
+  Pipeline pipeline(gpu, recording.rig(), hand, {voxels}, clay);
+  Player player(recording, pipeline);
+  DisplaySurface surface(gpu, clay.cage, clay.rule, clay.levels, 200'000);
+  const DrawnHand drawn(gpu, hand, builtInForearm(false));
+  double low_z_m = 0;
+  for (const Vec3& point : pipeline.clay().surface().points) low_z_m = std::min(low_z_m, point.z());
+
+  const PictureSize panel{616, 500};
+  Page page({2 * kMargin + 3 * panel.width + 2 * kGap, 2 * kMargin + 2 * panel.height + kGap});
+  Painter painter(gpu, panel);
+  std::size_t drawn_panels = 0;
+  while (const std::optional<PlayedFrame> frame = player.next()) {
+    if (drawn_panels == std::size(kMoments)) break;
+    if (frame->time_s < kMoments[drawn_panels] - 1e-6) continue;
+    Scene scene;
+    scene.workspace = recording.rig().workspace;
+    surface.evaluate(pipeline.clay().cage().points, scene.workspace);
+    SceneMesh mesh;
+    mesh.surface = surface.surface();
+    scene.meshes.push_back(mesh);
+    if (frame->result.hand == HandState::kTracked)
+      scene.hand = drawn.at(workspaceFromWorld(scene.workspace) * frame->result.fit.world_from_hand);
+    scene.ground_z_m = low_z_m - 0.001;
+    const int column = static_cast<int>(drawn_panels % 3), row = static_cast<int>(drawn_panels / 3);
+    page.lay(painter.paint(scene, nearView(-0.62, 0.45, 0.86, Vec3(0.01, -0.02, 0.015))),
+             kMargin + column * (panel.width + kGap), kMargin + row * (panel.height + kGap));
+    ++drawn_panels;
+    step_done();
+  }
+  return page.picture();
+}
+
 }  // namespace
 
 int figureSteps() {
-  return 5;
+  return 6 + static_cast<int>(std::size(kMoments));
 }
 
 void drawFigures(Gpu& gpu, const std::filesystem::path& folder, int voxels,
@@ -299,6 +342,7 @@ void drawFigures(Gpu& gpu, const std::filesystem::path& folder, int voxels,
   done(3, coordinateSystem(gpu, hand));
   done(4, subdividedCube(gpu));
   done(5, cameraSystem(gpu, hand));
+  done(6, deformation(gpu, hand, voxels, step_done));
 }
 
 }  // namespace airclay

@@ -124,7 +124,7 @@ struct RenderCapsule {
 };
 READ_POINTER(ReadCapsules, RenderCapsule)
 
-const uint kCapsuleSides = 16;
+const uint kCapsuleSides = 20;
 const uint kCapsuleRings = 8;  // from pole to pole, half of them at each end
 const uint kCapsuleVertices = kCapsuleSides * (kCapsuleRings - 1) * 6;
 
