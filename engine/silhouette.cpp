@@ -85,13 +85,13 @@ void Silhouettes::finishLearning(Recorder& recorder) {
 RunArgs Silhouettes::runArgs(bool holes) const {
   RunArgs args{};
   args.cameras = rig_.cameras();
-  args.masks = holes ? largest_mask_ : majority_mask_;
+  args.masks.address = (holes ? largest_mask_ : majority_mask_).raw().address();  // as pairs of words, here and below
   args.run_counts = run_counts_;
   args.runs = runs_;
   args.labels = labels_;
   args.areas = areas_;
   args.largest = largest_;
-  args.result = holes ? masks_ : largest_mask_;
+  args.result.address = (holes ? masks_ : largest_mask_).raw().address();
   args.max_rows = rig_.maxRows();
   args.holes = holes;
   args.largest_hole = largestHole(rig_.rig().cameras.front().width);
@@ -100,27 +100,27 @@ RunArgs Silhouettes::runArgs(bool holes) const {
 
 void Silhouettes::record(Recorder& recorder, const Buffer<std::uint32_t>& pictures) {
   const std::uint32_t cameras = rig_.cameraCount();
-  const std::uint32_t word_groups = groupsFor(rig_.maxRowWords() * rig_.maxRows(), kSilhouetteWorkgroup);
+  const std::uint32_t pair_groups = groupsFor(rig_.maxRowWords() / 2 * rig_.maxRows(), kSilhouetteWorkgroup);
   const std::uint32_t row_groups = groupsFor(rig_.maxRows(), kSilhouetteWorkgroup);
 
   SegmentArgs segment{};
   segment.cameras = rig_.cameras();
   segment.pictures = pictures;
   segment.model = model_;
-  segment.levels = levels_;
-  recorder.dispatch(segment_, segment, word_groups, cameras);
+  segment.levels.address = levels_.raw().address();
+  recorder.dispatch(segment_, segment, pair_groups, cameras);
 
   EdgeArgs edges{};
   edges.cameras = rig_.cameras();
-  edges.levels = levels_;
-  edges.masks = segmented_;
-  recorder.dispatch(edges_, edges, word_groups, cameras);
+  edges.levels.address = levels_.raw().address();
+  edges.masks.address = segmented_.raw().address();
+  recorder.dispatch(edges_, edges, pair_groups, cameras);
 
   MajorityArgs majority{};
   majority.cameras = rig_.cameras();
-  majority.masks = segmented_;
-  majority.cleaned = majority_mask_;
-  recorder.dispatch(majority_, majority, word_groups, cameras);
+  majority.masks.address = segmented_.raw().address();
+  majority.cleaned.address = majority_mask_.raw().address();
+  recorder.dispatch(majority_, majority, pair_groups, cameras);
 
   for (const bool holes : {false, true}) {
     const RunArgs args = runArgs(holes);

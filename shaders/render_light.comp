@@ -13,7 +13,6 @@ layout(push_constant, scalar) uniform Push { RenderLightArgs args; };
 const float kLightSpread = 0.16;     // the key light's radius a metre of distance: a soft box
 const float kSearchM = 0.045;        // how far to the side what casts a shadow is looked for
 const float kLeastBlurM = 0.004;     // finer than a vertex spacing of the clay would flicker
-const uint kSearchTaps = 16;
 const float kContactM = 0.010;       // the contact shadow fades to 1/e over this gap
 const float kContactDepth = 0.55;
 const float kConeCells = 1.6;        // farther out than a flat surface's own cells reach
@@ -45,10 +44,11 @@ float keyArrives(vec3 p, vec3 n, vec3 key) {
   // where light grazes, the surface's own near parts would shade it in patches; its turning away is shade enough
   const float bias = mix(kGrazingBiasM, kBiasM, smoothstep(0.0, 0.4, towards)) / depth_m;
 
+  const uint taps = args.frame.at[0].shadow_taps;
   float gap_sum = 0;
   uint blockers = 0;
-  for (uint i = 0; i < kSearchTaps; ++i) {
-    const vec2 offset = spiral(i, kSearchTaps) * (kSearchM / texel_m);
+  for (uint i = 0; i < taps; ++i) {
+    const vec2 offset = spiral(i, taps) * (kSearchM / texel_m);
     const ivec2 at = clamp(ivec2(texel + offset), ivec2(0), ivec2(size - 1));
     const float gap = depth + dot(slope, offset) - bias - args.shadow_map.at[at.x + at.y * int(size)];
     if (gap > 0) {
@@ -59,7 +59,6 @@ float keyArrives(vec3 p, vec3 n, vec3 key) {
   if (blockers == 0) return 1;
   const float radius = clamp(kLightSpread * gap_sum / blockers, kLeastBlurM, kSearchM) / texel_m;
   float lit = 0;
-  const uint taps = args.frame.at[0].shadow_taps;
   for (uint i = 0; i < taps; ++i) {
     const vec2 offset = spiral(i, taps) * radius;
     const ivec2 at = clamp(ivec2(texel + offset), ivec2(0), ivec2(size - 1));

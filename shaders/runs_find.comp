@@ -12,21 +12,22 @@ void main() {
 
   uint count = 0, first = 0;
   bool inside = false;
-  for (uint w = 0; w < camera.row_words; ++w) {
-    uint word = args.masks.at[camera.mask_words + y * camera.row_words + w];
+  const uint row_pairs = camera.row_words / 2;
+  for (uint pair = 0; pair < row_pairs; ++pair) {
+    uint64_t word = args.masks.at[camera.mask_words / 2 + y * row_pairs + pair];
     if (args.holes != 0) word = ~word;
-    const uint pixels = 32 * w < camera.width ? min(32u, camera.width - 32 * w) : 0;
-    if (pixels < 32) word &= (1u << pixels) - 1;
+    const uint pixels = camera.width - 64 * pair;
+    if (pixels < 64) word &= (1ul << pixels) - 1ul;
     // jump from change to change
     uint x = 0;
     while (true) {
-      const uint rest = (inside ? ~word : word) & (~0u << x);
-      if (rest == 0) break;
-      x = findLSB(rest);
+      const uvec2 rest = unpackUint2x32((inside ? ~word : word) & (~0ul << x));
+      if ((rest.x | rest.y) == 0) break;
+      x = rest.x != 0 ? findLSB(rest.x) : 32 + findLSB(rest.y);
       if (!inside) {
-        first = 32 * w + x;
+        first = 64 * pair + x;
       } else if (count < kMaxRuns) {
-        args.runs.at[at + count++] = first | (32 * w + x - 1) << 16;
+        args.runs.at[at + count++] = first | (64 * pair + x - 1) << 16;
       }
       inside = !inside;
     }

@@ -4,10 +4,10 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/runs.glsl"
 
-uint bitsFrom(uint first, uint last, uint word) {  // of the run first … last, those in this word
-  const uint low = max(first, 32 * word) - 32 * word;
-  const uint high = min(last, 32 * word + 31) - 32 * word;
-  return (~0u << low) & (~0u >> (31 - high));
+uint64_t bitsFrom(uint first, uint last, uint pair) {  // of the run first … last, those in this pair of words
+  const uint low = max(first, 64 * pair) - 64 * pair;
+  const uint high = min(last, 64 * pair + 63) - 64 * pair;
+  return (~0ul << low) & (~0ul >> (63 - high));
 }
 
 void main() {
@@ -16,24 +16,26 @@ void main() {
   if (y >= camera.height) return;
   const uint at = runsOf(gl_WorkGroupID.y, y);
   const uint count = args.run_counts.at[gl_WorkGroupID.y * args.max_rows + y];
-  const uint row = camera.mask_words + y * camera.row_words;
-  for (uint w = 0; w < camera.row_words; ++w) args.result.at[row + w] = args.holes != 0 ? args.masks.at[row + w] : 0;
+  const uint row_pairs = camera.row_words / 2;
+  const uint row = camera.mask_words / 2 + y * row_pairs;
+  for (uint pair = 0; pair < row_pairs; ++pair) args.result.at[row + pair] = args.holes != 0 ? args.masks.at[row + pair] : 0ul;
 
-  uint word = 0, bits = 0;  // written when the runs leave the word
+  uint current = 0;
+  uint64_t bits = 0ul;  // written when the runs leave the pair
   for (uint i = 0; i < count; ++i) {
     const uint root = rootOf(at + i);
     const bool keep = args.holes != 0 ? args.areas.at[root] <= args.largest_hole : root == args.largest.at[gl_WorkGroupID.y];
     if (!keep) continue;
     const uint run = args.runs.at[at + i];
     const uint first = run & 0xFFFFu, last = run >> 16;
-    for (uint w = first / 32; w <= last / 32; ++w) {
-      if (w != word) {
-        if (bits != 0) args.result.at[row + word] = bits | (args.holes != 0 ? args.masks.at[row + word] : 0);
-        word = w;
-        bits = 0;
+    for (uint pair = first / 64; pair <= last / 64; ++pair) {
+      if (pair != current) {
+        if (bits != 0ul) args.result.at[row + current] = bits | (args.holes != 0 ? args.masks.at[row + current] : 0ul);
+        current = pair;
+        bits = 0ul;
       }
-      bits |= bitsFrom(first, last, w);
+      bits |= bitsFrom(first, last, pair);
     }
   }
-  if (bits != 0) args.result.at[row + word] = bits | (args.holes != 0 ? args.masks.at[row + word] : 0);
+  if (bits != 0ul) args.result.at[row + current] = bits | (args.holes != 0 ? args.masks.at[row + current] : 0ul);
 }

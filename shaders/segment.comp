@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// How far 32 pixels differ from the background, an invocation. A pixel I is compared with the background's mean E as a brightness α E, which a
+// How far 64 pixels differ from the background, an invocation. A pixel I is compared with the background's mean E as a brightness α E, which a
 // shadow or a change of light scales, and a rest of other colour (the decomposition of Horprasert, Harwood and Davis 1999).
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/picture.glsl"
@@ -11,9 +11,7 @@ layout(push_constant, scalar) uniform Push { SegmentArgs args; };
 
 vec3 channels(uint word) { return vec3(word & 255u, word >> 8 & 255u, word >> 16 & 255u); }
 
-READ_POINTER(ReadPairs, uint64_t)
-
-uint words[kScoreLevels];  // of this invocation
+uint64_t words[kScoreLevels];  // of this invocation
 
 // Adds pixel `bit` to the words of the levels that its score reaches. Scores are compared as squares.
 void addPixel(uint pixel, uint model, uint bit) {
@@ -26,7 +24,7 @@ void addPixel(uint pixel, uint model, uint bit) {
   const float change = abs(along - square);
   const float allowed = (along > square ? kBrightest - 1 : 1 - kDarkest) * square + tolerance * square * root;
   const float score = max(rest / (tolerance * tolerance), change * change / (allowed * allowed));
-  for (uint level = 0; level < kScoreLevels; ++level) words[level] |= score >= float(1u << 2 * level) ? 1u << bit : 0u;
+  for (uint level = 0; level < kScoreLevels; ++level) words[level] |= score >= float(1u << 2 * level) ? 1ul << bit : 0ul;
 }
 
 // The general case: four pixels are three words, or parts of four.
@@ -61,14 +59,15 @@ void addPixelsInPairs(Picture camera, uint first, uint count) {
 
 void main() {
   const Picture camera = pictureOf(args.cameras, gl_WorkGroupID.y);
-  const uint y = gl_GlobalInvocationID.x / camera.row_words, w = gl_GlobalInvocationID.x % camera.row_words;
+  const uint row_pairs = camera.row_words / 2;
+  const uint y = gl_GlobalInvocationID.x / row_pairs, pair = gl_GlobalInvocationID.x % row_pairs;
   if (y >= camera.height) return;
-  for (uint level = 0; level < kScoreLevels; ++level) words[level] = 0;
-  const uint first = y * camera.width + 32 * w;
-  const uint count = 32 * w < camera.width ? min(32u, camera.width - 32 * w) : 0;  // a row's last word may be past the picture
+  for (uint level = 0; level < kScoreLevels; ++level) words[level] = 0ul;
+  const uint first = y * camera.width + 64 * pair;
+  const uint count = min(64u, camera.width - 64 * pair);
   if (kSameWidth != 0 && kSameWidth % 8 == 0) addPixelsInPairs(camera, first, count);
   else addPixels(camera, first, count);
 
-  const uint at = kScoreLevels * (camera.mask_words + y * camera.row_words + w);
+  const uint at = kScoreLevels * (camera.mask_words / 2 + gl_GlobalInvocationID.x);
   for (uint level = 0; level < kScoreLevels; ++level) args.levels.at[at + level] = words[level];
 }

@@ -9,6 +9,10 @@ AIRCLAY_IO_BEGIN
 
 const uint kSilhouetteWorkgroup = 64;
 
+// Masks are treated 64 pixels at a time, a pair of their words.
+READ_POINTER(ReadPairs, uint64_t)
+WRITE_POINTER(WritePairs, uint64_t)
+
 // A pixel of the background model is one word: mean B, G, R in the low three bytes; the spread, in eighths of a grey level, in the
 // high one. Sums while learning: three sums, three sums of squares a pixel.
 const float kSpreadStep = 0.125f;
@@ -25,7 +29,7 @@ const float kBrightest = 1.2f;
 // Colour may differ by this many spreads: 3: one pixel in 90 of Gaussian noise, which the majority removes.
 const float kColourSpreads = 3.0f;
 
-// The score is kept as bits: whether it is at least 1, 2, 4, 8; a word a level for each mask word, one behind the other.
+// The score is kept as bits: whether it is at least 1, 2, 4, 8; a pair of words a level for each pair of the mask, one behind the other.
 const uint kScoreLevels = 4;
 
 // background_add: a frame into the sums. background_finish: the sums into the model.
@@ -37,12 +41,12 @@ struct BackgroundArgs {
   uint frames;  // so far
 };
 
-// segment: one invocation a mask word, to its words of levels. `pictures` are BGR bytes, rows without padding, each camera's at a whole word.
+// segment: one invocation a pair of mask words, to its pairs of levels. `pictures` are BGR bytes, rows without padding, each camera's at a whole word.
 struct SegmentArgs {
   ReadCameras cameras;
   ReadUints pictures;
   ReadUints model;
-  WriteUints levels;
+  WritePairs levels;
 };
 
 // edges: the masks from the levels. A pixel is object when its score is at least 1, unless it is the smear of an edge: beside background on one
@@ -50,15 +54,15 @@ struct SegmentArgs {
 // pixels, and the object ends where the score has fallen to half.
 struct EdgeArgs {
   ReadCameras cameras;
-  ReadUints levels;
-  WriteUints masks;
+  ReadPairs levels;
+  WritePairs masks;
 };
 
 // majority: a pixel becomes what at least five of its 3 x 3 neighbourhood are.
 struct MajorityArgs {
   ReadCameras cameras;
-  ReadUints masks;
-  WriteUints cleaned;
+  ReadPairs masks;
+  WritePairs cleaned;
 };
 
 // Connected parts by runs of pixels. A row has at most kMaxRuns of them; run i of row y of a camera is entry
@@ -68,13 +72,13 @@ const uint kBorderArea = 0x80000000u;  // flag in a root's area: the part touche
 
 struct RunArgs {
   ReadCameras cameras;
-  ReadUints masks;
+  ReadPairs masks;
   ReadWriteUints run_counts;  // one a row
   ReadWriteUints runs;        // first | last << 16
   ReadWriteUints labels;
   ReadWriteUints areas;       // at roots
   ReadWriteUints largest;     // one a camera: the label of its largest part
-  WriteUints result;
+  WritePairs result;
   uint max_rows;
   uint holes;       // 1: the parts are of the background, four-connected; else of the object, eight-connected
   uint largest_hole;  // pixels: smaller ones are closed
