@@ -2,6 +2,7 @@
 #include "engine/fit.h"
 
 #include <cstring>
+#include <iostream>
 #include <random>
 
 #include "tests/gpu_fixture.h"

@@ -73,6 +73,8 @@ void Recorder::begin() {
   stages_.clear();
   tracker_.reset();
   bound_ = VK_NULL_HANDLE;
+  // an error may have cut the last recording short, which cannot be begun over
+  check(vkResetCommandBuffer(command_buffer_, 0), "record commands");
   VkCommandBufferBeginInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
   info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
   check(vkBeginCommandBuffer(command_buffer_, &info), "record commands");

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: MIT
+// The whole line, from the synthetic cameras' pixels to an OBJ.
+#include "engine/pipeline.h"
+
+#include <algorithm>
+#include <iostream>
+
+#include "capture/synthetic.h"
+#include "engine/distance_grid.h"
+#include "engine/error.h"
+#include "engine/mesh_file.h"
+#include "engine/presets.h"
+#include "tests/gpu_fixture.h"
+#include "tests/hand_scene.h"
+#include "tests/scene.h"
+#include "tests/temporary_folder.h"
+
+namespace airclay {
+namespace {
+
+ClayOptions tube() {
+  ClayOptions options;
+  options.cage = presetCage("tube");
+  return options;
+}
+
+/// A recording through a pipeline, frame by frame.
+struct Session {
+  Synthetic recording;
+  HandModel hand = builtInHand(false);
+  Pipeline pipeline;
+  std::vector<std::span<std::uint8_t>> pictures;
+
+  Session() : recording(testGpu()), pipeline(testGpu(), recording.rig(), hand, {}, tube()) {
+    for (std::size_t c = 0; c < recording.rig().cameras.size(); ++c) pictures.push_back(pipeline.picture(c));
+    for (int frame = 0; frame < recording.backgroundFrames(); ++frame) {
+      recording.readPictures(frame, pictures);
+      pipeline.learnBackground();
+    }
+  }
+
+  FrameResult process(int frame, bool held = true) {
+    recording.readPictures(frame, pictures);
+    return pipeline.processPictures(held);
+  }
+  Pose truth(int frame) const {
+    return recording.truth()->at(std::size_t(frame - recording.backgroundFrames())).world_from_hand;
+  }
+  std::vector<Vec3> surface() const { return pipeline.clay().surface().points; }
+};
+
+double median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(values.size() / 2), values.end());
+  return values[values.size() / 2];
+}
+
+/// How deep the deepest point is in the hand, metres.
+double deepest(const DistanceGrid& hand, const Pose& world_from_hand, const std::vector<Vec3>& points) {
+  double depth = 0;
+  for (const Vec3& point : points) depth = std::max(depth, -sample(hand, world_from_hand.inverse() * point));
+  return depth;
+}
+
+TEST(Pipeline, SculptsTheTubeFromPixelsToAnObj) {
+  Session session;
+  const DistanceGrid hand = signedDistanceGrid(session.hand.skin, 0.002, 0.01);
+  const std::vector<Vec3> before = session.surface();
+  std::vector<double> shifts_m, turns_degrees;
+  double left_inside = 0, would_be_inside = 0;
+  for (int frame = session.recording.backgroundFrames(); frame < session.recording.frameCount(); ++frame) {
+    const FrameResult result = session.process(frame);
+    SCOPED_TRACE("frame " + std::to_string(frame));
+    ASSERT_EQ(result.hand, HandState::kTracked);
+    EXPECT_EQ(result.searched, frame == session.recording.backgroundFrames());
+    const Pose& found = result.fit.world_from_hand;
+    const PoseError error = poseError(found, session.truth(frame), Vec3::Zero());
+    shifts_m.push_back(error.shift_m);
+    turns_degrees.push_back(error.turn_degrees);
+    const double depth = deepest(hand, found, session.surface());
+    EXPECT_LE(depth, std::max(0.001, result.clay.penetration_m) + 0.0005);
+    left_inside = std::max(left_inside, depth);
+    would_be_inside = std::max(would_be_inside, deepest(hand, session.truth(frame), before));
+  }
+  std::cout << "pose error " << 1000 * median(shifts_m) << " mm, " << median(turns_degrees)
+            << " degrees, worst " << 1000 * *std::max_element(shifts_m.begin(), shifts_m.end()) << " mm, "
+            << *std::max_element(turns_degrees.begin(), turns_degrees.end()) << " degrees\n"
+            << "the clay gave way by up to " << 1000 * would_be_inside << " mm, " << 1000 * left_inside
+            << " mm stayed in the hand\n";
+  EXPECT_LE(median(shifts_m), 0.002);
+  EXPECT_LE(median(turns_degrees), 1);
+
+  // the hand came from +x and pressed the side in, then from above and pressed the rim down; nothing came
+  // near the back
+  const PolygonMesh surface = session.pipeline.clay().surface(), cage = session.pipeline.clay().cage();
+  double side = 0, rim = 0, back = 0;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const Vec3 moved = surface.points[i] - before[i];
+    if (before[i].x() > 0.04 && std::abs(before[i].z()) < 0.07) side = std::max(side, -moved.x());
+    if (before[i].z() > 0.08) rim = std::max(rim, -moved.z());
+    if (before[i].x() < -0.05 && before[i].z() < 0) back = std::max(back, moved.norm());
+  }
+  std::cout << "dents: " << 1000 * side << " mm in the side, " << 1000 * rim << " mm in the rim\n";
+  EXPECT_GT(side, 0.02);
+  EXPECT_LT(side, 0.04);
+  EXPECT_GT(rim, 0.02);
+  EXPECT_LT(rim, 0.04);
+  EXPECT_LT(back, 0.01);
+
+  // (5) d = A p holds in the files
+  const TemporaryFolder folder;
+  writeObj(folder / "surface.obj", surface);
+  writeObj(folder / "cage.obj", cage);
+  const PolygonMesh read_surface = readObj(folder / "surface.obj"), read_cage = readObj(folder / "cage.obj");
+  ASSERT_EQ(read_cage.points.size(), 28u);
+  ASSERT_EQ(read_surface.points.size(), 364u);
+  const Subdivision subdivision = subdivide(read_cage, 2, SubdivisionRule::kCatmullClark);
+  const std::vector<Vec3> expected = dataPoints(subdivision.matrix, read_cage.points);
+  for (std::size_t i = 0; i < expected.size(); ++i)
+    EXPECT_LT((read_surface.points[i] - expected[i]).norm(), 1e-6);
+}
+
+TEST(Pipeline, TwoRunsGiveTheSameBits) {
+  std::vector<Vec3> surfaces[2];
+  std::vector<Pose> poses[2];
+  for (int run = 0; run < 2; ++run) {
+    Session session;
+    for (int frame = 10; frame < 70; frame += 3)
+      poses[run].push_back(session.process(frame).fit.world_from_hand);
+    surfaces[run] = session.surface();
+  }
+  EXPECT_NE(surfaces[0], dataPoints(subdivide(presetCage("tube"), 2, SubdivisionRule::kCatmullClark).matrix,
+                                    presetCage("tube").points));
+  EXPECT_EQ(surfaces[0], surfaces[1]);
+  for (std::size_t i = 0; i < poses[0].size(); ++i)
+    EXPECT_EQ(poses[0][i].matrix(), poses[1][i].matrix()) << "frame " << 10 + 3 * i;
+}
+
+TEST(Pipeline, TheClayStaysWhereTheHandIsNotFoundOrTheClutchIsOpen) {
+  Session session;
+  constexpr int pressing = 48, pressed = 58;  // the fingers go in at 1.3 s and stay at 1.9 s
+  for (int frame = 36; frame <= pressing; frame += 2) session.process(frame);
+  const std::vector<Vec3> dented = session.surface();
+
+  // nobody there
+  EXPECT_EQ(session.process(0).hand, HandState::kEmpty);
+  EXPECT_EQ(session.surface(), dented);
+  // a ball is something, but no hand
+  EXPECT_EQ(
+      session.pipeline.processMasks(sphereMasks(session.recording.rig(), Vec3(0.02, 0.03, 0), 0.06)).hand,
+      HandState::kLost);
+  EXPECT_EQ(session.surface(), dented);
+  // the hand is back, deep in the clay: what is inside it is left alone
+  const FrameResult back = session.process(pressed);
+  EXPECT_EQ(back.hand, HandState::kTracked);
+  EXPECT_TRUE(back.searched);
+  EXPECT_EQ(session.surface(), dented);
+
+  // with the clutch open the hand is tracked and passes through
+  session.pipeline.forgetHand();
+  for (int frame = 36; frame <= pressed; frame += 2) {
+    EXPECT_EQ(session.process(frame, false).hand, HandState::kTracked);
+    EXPECT_EQ(session.surface(), dented);
+  }
+}
+
+TEST(Pipeline, StagesAreTimedByNameAndTheFrameIsLonger) {
+  Session session;
+  session.process(36);
+  const FrameResult result = session.process(37);
+  std::vector<std::string> names;
+  double sum_ms = 0;
+  for (const auto& [name, ms] : result.stage_ms) {
+    names.push_back(name);
+    sum_ms += ms;
+    EXPECT_GT(ms, 0) << name;
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"silhouette", "carve", "fit", "clay"}));
+  EXPECT_LT(sum_ms, result.frame_ms);
+}
+
+TEST(Pipeline, MasksAreUsedAsTheyAre) {
+  HandCameras cameras;
+  const Rig rig = cameras.rig().rig();
+  const HandScript script = demoScript();
+  Pipeline pipeline(testGpu(), rig, builtInHand(false));
+  std::vector<double> shifts_m, turns_degrees;
+  for (int frame = 10; frame < 40; frame += 2) {
+    const Pose truth = *script.at(frame / 30.0);
+    const FrameResult result = pipeline.processMasks(cameras.masks(truth));
+    ASSERT_EQ(result.hand, HandState::kTracked) << "frame " << frame;
+    EXPECT_EQ(result.searched, frame == 10);
+    const PoseError error = poseError(result.fit.world_from_hand, truth, Vec3::Zero());
+    shifts_m.push_back(error.shift_m);
+    turns_degrees.push_back(error.turn_degrees);
+  }
+  EXPECT_LE(median(shifts_m), 0.002);
+  EXPECT_LE(median(turns_degrees), 1);
+}
+
+TEST(Pipeline, WhatCannotBeProcessedIsRefused) {
+  const Rig rig = ringRig(4);
+  Pipeline pipeline(testGpu(), rig, builtInHand(false));
+  EXPECT_NE(messageOf([&] { pipeline.processPictures(); }).find("empty"), std::string::npos);
+  std::vector<Mask> masks = sphereMasks(rig, Vec3::Zero(), 0.05);
+  masks.pop_back();
+  EXPECT_NE(messageOf([&] { pipeline.processMasks(masks); }).find("each camera"), std::string::npos);
+  masks = sphereMasks(rig, Vec3::Zero(), 0.05);
+  masks[2].width /= 2;
+  EXPECT_NE(messageOf([&] { pipeline.processMasks(masks); }).find("cam2"), std::string::npos);
+  // and the pipeline is none the worse
+  masks = sphereMasks(rig, Vec3::Zero(), 0.002);
+  EXPECT_EQ(pipeline.processMasks(masks).hand, HandState::kEmpty);
+  EXPECT_THROW(Pipeline(testGpu(), rig, builtInHand(false), {0}), Error);
+  EXPECT_THROW(Pipeline(testGpu(), rig, builtInHand(false), {1'000'000'000}), Error);
+}
+
+}  // namespace
+}  // namespace airclay
