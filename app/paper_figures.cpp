@@ -8,6 +8,7 @@
 #include "capture/synthetic.h"
 #include "engine/clay.h"
 #include "engine/demo_scene.h"
+#include "engine/error.h"
 #include "engine/presets.h"
 #include "engine/sensor.h"
 
@@ -49,14 +50,28 @@ Picture cameraPicture(const GpuRig& rig, const Buffer<std::uint32_t>& pictures, 
   return picture;
 }
 
-Picture maskPicture(const Mask& mask) {
-  Picture picture{{mask.width, mask.height}, {}};
-  for (const std::uint8_t pixel : mask.pixels) {
-    if (pixel)
-      picture.rgba.insert(picture.rgba.end(), {243, 238, 230, 255});
-    else
-      picture.rgba.insert(picture.rgba.end(), {58, 62, 68, 255});
-  }
+/// The part of a mask around what is set in it, a pixel a pixel.
+Picture maskPicture(const Mask& mask, PictureSize size) {
+  long x_sum = 0, y_sum = 0, count = 0;
+  for (int y = 0; y < mask.height; ++y)
+    for (int x = 0; x < mask.width; ++x)
+      if (mask.pixels[std::size_t(y) * std::size_t(mask.width) + std::size_t(x)]) {
+        x_sum += x;
+        y_sum += y;
+        ++count;
+      }
+  if (count == 0) throw Error("a synthetic camera does not see the hand of figure 1");
+  const int left = static_cast<int>(x_sum / count) - size.width / 2,
+            top = static_cast<int>(y_sum / count) - size.height / 2;
+  Picture picture{size, {}};
+  for (int y = top; y < top + size.height; ++y)
+    for (int x = left; x < left + size.width; ++x) {
+      const bool inside = x >= 0 && y >= 0 && x < mask.width && y < mask.height;
+      if (inside && mask.pixels[std::size_t(y) * std::size_t(mask.width) + std::size_t(x)])
+        picture.rgba.insert(picture.rgba.end(), {243, 238, 230, 255});
+      else
+        picture.rgba.insert(picture.rgba.end(), {58, 62, 68, 255});
+    }
   return picture;
 }
 
@@ -87,7 +102,8 @@ Photographs photograph(Gpu& gpu, const GpuRig& rig, const std::vector<TriangleMe
 /// Fig. 1: silhouettes, and the voxel model that they carve.
 Picture voxelModel(Gpu& gpu, const HandModel& hand, int voxels) {
   const GpuRig rig(gpu, demoRig());
-  const Pose world_from_hand = turned(uprightHand(), Vec3::Zero(), Vec3(-0.25, 0.1, 0.45), Vec3::Zero());
+  // turned to where four cameras' hull is least swollen: 1.35 times the hand, other ways up to twice
+  const Pose world_from_hand = turned(uprightHand(), Vec3::Zero(), Vec3(0.41, -0.18, 0.77), Vec3::Zero());
   const Photographs photographs = photograph(gpu, rig, {hand.skin}, world_from_hand);
   Buffer<std::uint32_t> masks(gpu, rig.maskWords(), Memory::kHost);
   rig.pack(photographs.masks, masks.host());
@@ -101,13 +117,13 @@ Picture voxelModel(Gpu& gpu, const HandModel& hand, int voxels) {
   Scene scene;
   scene.workspace = rig.rig().workspace;
   scene.voxels = &carver;
-  scene.ground_z_m = -0.135;
+  scene.ground_z_m = -0.12;
   Page page({1280, 960});
   Painter painter(gpu, {928, 912});
-  page.lay(painter.paint(scene, nearView(-1.25, 0.22, 0.62, Vec3(0, 0, -0.015))), kMargin, kMargin);
+  page.lay(painter.paint(scene, nearView(-1.22, 0.3, 0.56, Vec3(0, 0, -0.012))), kMargin, kMargin);
   const PictureSize thumbnail{288, 216};
   for (std::size_t i = 0; i < 4; ++i)
-    page.lay(reduced(maskPicture(photographs.masks[i]), thumbnail), kMargin + 928 + kGap,
+    page.lay(maskPicture(photographs.masks[i], thumbnail), kMargin + 928 + kGap,
              kMargin + static_cast<int>(i) * (thumbnail.height + kGap));
   return page.picture();
 }

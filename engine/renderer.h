@@ -187,10 +187,15 @@ struct Scene {
 struct RendererOptions {
   int width = 1280, height = 720;  ///< pixels, at most kMaxPicture
   bool multisample = true;         ///< 4 samples a pixel: smooth edges
-  int shadow_map = 512;            ///< texels along an edge
-  int shadow_taps = 24;            ///< of the soft shadow's kernel
+  int shadow_map = 1024;           ///< texels along an edge
+  int shadow_taps = 64;            ///< of the soft shadow's kernel
 
   static constexpr int kMaxPicture = 4096;
+
+  /// What a software device can keep up with.
+  static RendererOptions live(int width, int height) {
+    return {.width = width, .height = height, .multisample = false, .shadow_map = 512, .shadow_taps = 16};
+  }
 };
 
 class Renderer {

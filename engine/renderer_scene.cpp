@@ -175,7 +175,7 @@ vec3 fromScreen(int red, int green, int blue) {
 }
 
 vec3 clayColor() {
-  return fromScreen(166, 134, 119);
+  return fromScreen(178, 146, 131);
 }
 vec3 skinColor() {
   return fromScreen(208, 152, 128);
