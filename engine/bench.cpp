@@ -22,10 +22,10 @@ namespace {
 
 constexpr int kBackgroundFrames = 10;
 constexpr int kPressingFrame = 54;  // the hand is against the clay's side
-// All together stay below a minute on two cores that do nothing else.
+// Chosen so that all together take about a minute on two cores that do nothing else.
 constexpr int kLeastRepeats = 3, kMostRepeats = 60;
 constexpr double kStageBudgetMs = 1200, kWarmUpMs = 100;
-constexpr std::size_t kMostFrames = 15;  // all of the first time that the hand presses
+constexpr std::size_t kMostFrames = 15;  // within the hand's first press
 // A reference that would take longer than a second or two is not timed.
 constexpr int kMostReferenceVoxels = 128;
 
