@@ -9,7 +9,7 @@
 #include "engine/fit.h"
 #include "engine/gpu/recorder.h"
 #include "engine/silhouette.h"
-#include "shaders/carve_rows.comp.h"
+#include "shaders/carve_tiles.comp.h"
 #include "shaders/carve_total.comp.h"
 #include "shaders/carve_voxels.comp.h"
 #include "shaders/distance_lines.comp.h"
@@ -48,10 +48,10 @@ void expectInterface(std::span<const std::uint32_t> spirv, std::size_t last,
 #define AIRCLAY_END_OF(Args, member) (offsetof(Args, member) + sizeof(Args::member))
 
 TEST(ShaderInterface, OffsetsAndUsesAreTheArgumentsOfCpp) {
-  expectInterface(carve_rows_comp, AIRCLAY_END_OF(CarveTableArgs, max_lines),
-                  {{offsetof(CarveTableArgs, cameras), kReads},
-                   {offsetof(CarveTableArgs, masks), kReads},
-                   {offsetof(CarveTableArgs, tables), kReadsAndWrites}});
+  expectInterface(carve_tiles_comp, AIRCLAY_END_OF(CarveTileArgs, tiles),
+                  {{offsetof(CarveTileArgs, cameras), kReads},
+                   {offsetof(CarveTileArgs, masks), kReads},
+                   {offsetof(CarveTileArgs, tiles), kWrites}});
   expectInterface(carve_voxels_comp, AIRCLAY_END_OF(CarveVoxelArgs, voxel_m),
                   {{offsetof(CarveVoxelArgs, cameras), kReads},
                    {offsetof(CarveVoxelArgs, masks), kReads},
@@ -243,6 +243,17 @@ TEST(Recorder, APointerIntoNoLiveBufferIsRefused) {
   recorder.submitAndWait();
 }
 
+TEST(Recorder, WhatAnErrorInterruptedIsRecordedAnew) {
+  const Buffer<std::uint32_t> buffer(testGpu(), std::vector<std::uint32_t>(16, 7));
+  Recorder recorder(testGpu());
+  recorder.begin();
+  recorder.fill(buffer.raw(), 1);
+  recorder.begin();  // an error came before the submission
+  recorder.submitAndWait();
+  EXPECT_TRUE(recorder.commands().empty());
+  EXPECT_EQ(buffer.download(), std::vector<std::uint32_t>(16, 7));
+}
+
 // --- a frame, and what happens when a declaration is missing ---
 
 /// The commands of a tracked frame, from pictures to the pose.
@@ -267,7 +278,7 @@ std::vector<RecordedCommand> frameCommands() {
   recorder.begin();
   silhouettes.record(recorder, pictures);
   carver.record(recorder, silhouettes.masks());
-  const FieldGrid grid = placeField(carver, Vec3::Zero(), 0.2);
+  const FieldGrid grid = placeField(carver, Vec3::Zero(), Vec3::Constant(0.2));
   field.record(recorder, carver, grid);
   fitter.record(recorder, field, grid, fits, 1, {});
   FitChooseArgs args{};
@@ -315,20 +326,21 @@ TEST(Recorder, AMissingDeclarationInAFrameIsFound) {
   // the others share their barrier with an access that is still declared
   EXPECT_GE(found.size(), 18u) << "of " << matter;
   const std::pair<std::string, std::size_t> must[] = {
-      {"edges", 2},           // what it writes
-      {"majority", 1},        // what it reads
-      {"carve_rows", 1},      // masks
-      {"carve_rows", 2},      // tables
-      {"carve_columns", 2},   // tables
-      {"carve_voxels", 4},    // words
-      {"carve_summary", 2},   // partial sums
-      {"carve_total", 0},     // partial sums
-      {"distance_rows", 2},   // squares
-      {"distance_lines", 0},  // squares
-      {"distance_lines", 1},  // the next squares; distances
-      {"fit", 1},             // distances
-      {"fit", 2},             // fits
-      {"fit_choose", 0},      // fits
+      {"edges", 2},             // what it writes
+      {"majority", 1},          // what it reads
+      {"carve_tiles", 1},       // masks
+      {"carve_tiles", 2},       // tiles
+      {"carve_blocks_32", 1},   // tiles
+      {"carve_voxels", 4},      // words
+      {"carve_summary", 2},     // partial sums
+      {"carve_total", 0},       // partial sums
+      {"distance_rows", 2},     // squares
+      {"distance_lines_y", 0},  // squares
+      {"distance_lines_y", 1},  // the next squares
+      {"distance_lines_z", 1},  // distances
+      {"fit", 1},               // distances
+      {"fit", 2},               // fits
+      {"fit_choose", 0},        // fits
   };
   for (const auto& [name, pointer] : must)
     EXPECT_TRUE(found.count({name, pointer})) << name << ", pointer " << pointer;
