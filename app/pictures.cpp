@@ -62,7 +62,7 @@ Scene SculptPictures::scene(const std::optional<Pose>& world_from_hand) {
 
 Picture SculptPictures::frame(const std::optional<Pose>& world_from_hand) {
   Orbit orbit;
-  orbit.distance_m = 1.55 * pipeline_.rig().workspace.edge_m;
+  orbit.distance_m = 1.3 * pipeline_.rig().workspace.edge_m;
   return painter_.paint(scene(world_from_hand), orbitView(orbit));
 }
 
@@ -81,7 +81,8 @@ Picture SculptPictures::workings(const std::optional<Pose>& world_from_hand) {
   data_points.width_px = 3;
   all.strokes.push_back(data_points);
   Orbit orbit;
-  orbit.distance_m = 6 * edge_m;
+  orbit.target.z() = 0.25 * edge_m;
+  orbit.distance_m = 4.8 * edge_m;
   return painter_.paint(all, orbitView(orbit));
 }
 

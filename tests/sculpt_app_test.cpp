@@ -9,7 +9,6 @@
 
 #include "capture/frame_source.h"
 #include "capture/synthetic.h"
-#include "capture/video_writer.h"
 #include "engine/mesh_file.h"
 #include "engine/presets.h"
 #include "engine/subdivide.h"
@@ -21,6 +20,8 @@ namespace airclay {
 namespace {
 
 using nlohmann::json;
+
+constexpr int kFrames = 15;  // with the hand: enough to find it and to follow it
 
 /// Median and worst of what poses are off the truth of the same time.
 struct PoseErrors {
@@ -44,7 +45,7 @@ PoseErrors errorsOf(const std::vector<TimedPose>& poses, const std::vector<Timed
   return {mm[mm.size() / 2], mm.back(), deg[deg.size() / 2]};
 }
 
-/// The demo's first frames as a recording on disk: videos, rig and truth.
+/// The demo's first frames as a recording on disk: pictures without loss, rig and truth.
 struct RecordedDemo {
   TemporaryFolder folder;
   int background_frames = 0, frames = 0;
@@ -55,27 +56,31 @@ struct RecordedDemo {
     frames = background_frames + frames_with_hand;
     writeRig(folder / "rig.toml", synthetic.rig());
     writePoses(folder / "truth.tum", *synthetic.truth());
-    std::vector<VideoWriter> videos;
     std::vector<std::vector<std::uint8_t>> pictures;
     for (const Camera& camera : synthetic.rig().cameras) {
-      videos.emplace_back(
-          folder / (camera.name + ".mp4"),
-          VideoWriter::Options{{camera.width, camera.height}, synthetic.rateHz(), VideoWriter::Form::kBgr8});
+      std::filesystem::create_directory(folder / camera.name);
       pictures.emplace_back(std::size_t(3) * std::size_t(camera.width) * std::size_t(camera.height));
     }
     const std::vector<std::span<std::uint8_t>> buffers(pictures.begin(), pictures.end());
     for (int frame = 0; frame < frames; ++frame) {
       synthetic.readPictures(frame, buffers);
-      for (std::size_t i = 0; i < videos.size(); ++i) videos[i].write(pictures[i]);
+      for (std::size_t i = 0; i < pictures.size(); ++i)
+        writeBgr(synthetic.rig().cameras[i], frame, pictures[i]);
     }
-    for (VideoWriter& video : videos) video.finish();
+  }
+  void writeBgr(const Camera& camera, int frame, const std::vector<std::uint8_t>& bgr) const {
+    std::vector<std::uint8_t> rgba;
+    for (std::size_t i = 0; i < bgr.size(); i += 3)
+      rgba.insert(rgba.end(), {bgr[i + 2], bgr[i + 1], bgr[i], 255});
+    writePng(folder.path() / camera.name / (std::to_string(frame) + ".png"), {camera.width, camera.height},
+             rgba);
   }
   std::string path() const { return folder.path().string(); }
   std::string background() const { return std::to_string(background_frames); }
 };
 
 TEST(SculptApp, TrackFollowsTheHandOfARecording) {
-  const RecordedDemo take(25);
+  const RecordedDemo take(kFrames);
   const std::string poses = take.folder / "poses.tum";
   const Ran ran =
       runAirclay({"track", take.path(), "--background", take.background(), "--poses", poses, "--json"});
@@ -84,7 +89,7 @@ TEST(SculptApp, TrackFollowsTheHandOfARecording) {
   const json figures = json::parse(ran.output);
   EXPECT_EQ(figures["frames"], take.frames);
   EXPECT_EQ(figures["empty"], take.background_frames);
-  EXPECT_EQ(figures["tracked"], 25);
+  EXPECT_EQ(figures["tracked"], kFrames);
   EXPECT_EQ(figures["lost"], 0);
   for (const char* stage : {"silhouette", "carve", "fit"}) EXPECT_GT(figures["stage_ms"][stage], 0) << stage;
   EXPECT_GT(figures["decode_ms"], 0);
@@ -97,7 +102,7 @@ TEST(SculptApp, TrackFollowsTheHandOfARecording) {
 }
 
 TEST(SculptApp, EndedEarlyItLeavesNothing) {
-  const RecordedDemo take(25);
+  const RecordedDemo take(kFrames);
   const std::filesystem::path out = take.folder / "out";
   std::filesystem::create_directory(out);
   const Ran ran = runAirclay(
