@@ -24,7 +24,7 @@ const float kMinSpread = 2.0f;
 
 // A pixel's score is how far it differs from the background, in units of what may differ by chance: linear in how much of the pixel the
 // object covers. A shadow keeps the colour and takes at most this share of the brightness; a change of light adds at most that.
-const float kDarkest = 0.65f;
+const float kDarkest = 0.6f;
 const float kBrightest = 1.2f;
 // Colour may differ by this many spreads: 3: one pixel in 90 of Gaussian noise, which the majority removes.
 const float kColourSpreads = 3.0f;
