@@ -189,7 +189,8 @@ TEST(Graphics, CountsMayComeFromTheDevice) {
   recorder.stage("draw");
   const std::uint32_t one_triangle[4] = {3, 1, 0, 0};
   recorder.update(counts.raw(), one_triangle, sizeof one_triangle);
-  render(recorder, canvas.pass(kBlack), {drawCounted(pipeline, TrianglesArgs{corners, kGreen}, counts.raw())});
+  render(recorder, canvas.pass(kBlack),
+         {drawCounted(pipeline, TrianglesArgs{corners, kGreen}, counts.raw())});
   copyToBuffer(recorder, canvas.resolved, picture.raw());
   recorder.submitAndWait();
   EXPECT_TRUE(recorder.commands()[1].barrier_before);
@@ -201,7 +202,8 @@ TEST(Graphics, IndicesNameTheCorners) {
   Gpu& gpu = testGpu();
   const GraphicsPipeline<TrianglesArgs> pipeline(gpu, "triangles", {triangles_vert, triangles_frag});
   Canvas canvas(gpu, kWidth, kHeight);
-  const Buffer<vec3> corners(gpu, std::vector<vec3>{{-1, -1, 0.5f}, {1, -1, 0.5f}, {-1, 1, 0.5f}, {1, 1, 0.5f}});
+  const Buffer<vec3> corners(gpu,
+                             std::vector<vec3>{{-1, -1, 0.5f}, {1, -1, 0.5f}, {-1, 1, 0.5f}, {1, 1, 0.5f}});
   Buffer<std::uint32_t> indices(gpu, std::size_t(6)), picture(gpu, kWidth * kHeight, Memory::kHost);
   Recorder recorder(gpu);
   recorder.begin();

@@ -116,7 +116,8 @@ Draw drawCounted(const GraphicsPipeline<Args>& pipeline, const Args& args, const
 
 /// The same through indices, all of them.
 template <class Args>
-Draw drawIndexed(const GraphicsPipeline<Args>& pipeline, const Args& args, const Buffer<std::uint32_t>& indices) {
+Draw drawIndexed(const GraphicsPipeline<Args>& pipeline, const Args& args,
+                 const Buffer<std::uint32_t>& indices) {
   Draw indexed = draw(pipeline, args, static_cast<std::uint32_t>(indices.count()));
   indexed.indices = &indices.raw();
   return indexed;
