@@ -84,8 +84,8 @@ TEST(Pipeline, SculptsTheTubeFromPixelsToAnObj) {
   std::cout << "pose error " << 1000 * median(shifts_m) << " mm, " << median(turns_degrees)
             << " degrees, worst " << 1000 * *std::max_element(shifts_m.begin(), shifts_m.end()) << " mm, "
             << *std::max_element(turns_degrees.begin(), turns_degrees.end()) << " degrees\n"
-            << "the clay gave way by up to " << 1000 * would_be_inside << " mm, " << 1000 * left_inside
-            << " mm stayed in the hand\n";
+            << "clay in the hand: " << 1000 * left_inside << " mm deep at most, of " << 1000 * would_be_inside
+            << " mm had it not given way\n";
   EXPECT_LE(median(shifts_m), 0.002);
   EXPECT_LE(median(turns_degrees), 1);
 
