@@ -237,7 +237,7 @@ bool HandTracker::search(Recorder& recorder, std::vector<std::pair<std::string, 
   candidates = fitAll(recorder, fitter_, grid, starts(candidates), FitLimits{}.iterations, stage_ms);
   keepBest(candidates, cells, grid.cell_m, kFineCandidates);
 
-  // in voxel-sized cells, around the best; the others are mostly the same place turned
+  // around the best, in cells as small as a box for any turn of the hand allows; the others are mostly the same place turned
   const FieldGrid fine = placeField(carver_, candidates.front().fit.position.cast<double>(), Vec3::Constant(model().radius_m + kReachAround));
   recordField(recorder, fine, stage_ms);
   candidates = fitAll(recorder, fitter_, fine, starts(candidates), FitLimits{}.iterations, stage_ms);
