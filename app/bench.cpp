@@ -13,7 +13,8 @@ namespace airclay {
 namespace {
 
 std::string ratio(double value) {
-  return value > 0 ? fixed(value, 1) : "-";
+  if (value <= 0) return "-";
+  return fixed(value, value < 0.1 ? 3 : value < 1 ? 2 : 1);
 }
 
 void runBench(const CommonOptions& options) {
