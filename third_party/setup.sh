@@ -26,7 +26,7 @@ if ((${#missing[@]})); then
     fi
     as_root=(sudo)
   fi
-  echo "airclay: installing ${#missing[@]} packages: ${missing[*]}" >&2
+  echo "airclay: installing what is missing: ${missing[*]}" >&2
   apt() { "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=600 "$@"; }
   if ! { apt update && apt install -y --no-install-recommends "${missing[@]}"; } > "$log" 2>&1 < /dev/null; then
     tail -n 20 "$log" >&2
