@@ -81,8 +81,8 @@ Picture SculptPictures::workings(const std::optional<Pose>& world_from_hand) {
   data_points.width_px = 3;
   all.strokes.push_back(data_points);
   Orbit orbit;
-  orbit.target.z() = 0.25 * edge_m;
-  orbit.distance_m = 4.8 * edge_m;
+  orbit.target.z() = 0.5 * edge_m;
+  orbit.distance_m = 6 * edge_m;
   return painter_.paint(all, orbitView(orbit));
 }
 
