@@ -45,7 +45,7 @@ Forces forcesAt(const FitModel& model, const std::vector<double>& field, const F
 GpuFit fitReference(const FitModel& model, const std::vector<double>& field, const FieldGrid& grid, const GpuFit& start,
                     const FitLimits& limits) {
   // fit.comp explains these
-  constexpr double inertia_share = 0.01, max_turn = 0.25, max_shift = 0.03, stall_shift = 5e-6, stall_turn = 5e-5;
+  constexpr double inertia_share = 0.01, max_turn = 0.25, max_shift = 0.03, stall_shift = 2e-5, stall_turn = 2e-4;
   Eigen::Quaterniond rotation(start.rotation[3], start.rotation[0], start.rotation[1], start.rotation[2]);
   Vec3 position = start.position.cast<double>();
   GpuFit result = start;

@@ -22,8 +22,8 @@ const float kInertiaShare = 0.01;
 // A step goes no farther: the field is linear about so far.
 const float kMaxTurn = 0.25;   // rad
 const float kMaxShift = 0.03;  // m
-// 5 µm and what turns a fingertip by so much: far below a voxel.
-const float kStallShift = 5e-6, kStallTurn = 5e-5;
+// 20 µm, and what turns a fingertip by so much: steps shrink by half, so as much is left, a hundredth of a voxel.
+const float kStallShift = 2e-5, kStallTurn = 2e-4;
 
 shared float shared_sums[kSums * 32];  // at most 32 subgroups
 
