@@ -45,9 +45,12 @@ Carver::Carver(Gpu& gpu, const GpuRig& rig, int voxels)
       voxels_((checkVoxels(voxels), voxels)),
       bricks_edge_(ceilDivide(static_cast<std::uint32_t>(voxels), kBrickVoxels)),
       tile_kernel_(gpu, "carve_tiles", carve_tiles_comp, {kCarveWorkgroup}),
-      top_blocks_(gpu, "carve_blocks_32", carve_blocks_comp, {kCarveWorkgroup, kTopVoxels, kRuns[0], rig.lensKinds()}),
-      brick_blocks_(gpu, "carve_blocks_8", carve_blocks_comp, {kCarveWorkgroup, kBrickVoxels, kRuns[1], rig.lensKinds()}),
-      small_blocks_(gpu, "carve_blocks_4", carve_blocks_comp, {kCarveWorkgroup, kBlockVoxels, kRuns[2], rig.lensKinds()}),
+      top_blocks_(gpu, "carve_blocks_32", carve_blocks_comp,
+                  {kCarveWorkgroup, kTopVoxels, kRuns[0], rig.lensKinds()}),
+      brick_blocks_(gpu, "carve_blocks_8", carve_blocks_comp,
+                    {kCarveWorkgroup, kBrickVoxels, kRuns[1], rig.lensKinds()}),
+      small_blocks_(gpu, "carve_blocks_4", carve_blocks_comp,
+                    {kCarveWorkgroup, kBlockVoxels, kRuns[2], rig.lensKinds()}),
       voxel_kernel_(gpu, "carve_voxels", carve_voxels_comp, {kCarveWorkgroup, rig.lensKinds()}),
       summary_kernel_(gpu, "carve_summary", carve_summary_comp, {kCarveWorkgroup}),
       total_kernel_(gpu, "carve_total", carve_total_comp),
@@ -87,7 +90,8 @@ void Carver::recordBlocks(Recorder& recorder, const Kernel<CarveBlockArgs>& kern
   // the next level takes a run an invocation, the voxels' kernel a block
   args.next_invocations = level == 2 ? 1 : cube(kBlockEdges[at] / kBlockEdges[at + 1]) / kRuns[at + 1];
   if (level == 0)
-    recorder.dispatch(kernel, args, groupsFor(args.runs_edge * args.children_edge * args.children_edge, kCarveWorkgroup));
+    recorder.dispatch(kernel, args,
+                      groupsFor(args.runs_edge * args.children_edge * args.children_edge, kCarveWorkgroup));
   else
     recorder.dispatchIndirect(kernel, args, mixed_count_[at - 1].raw(), 0);
 }
@@ -100,7 +104,8 @@ void Carver::record(Recorder& recorder, const Buffer<std::uint32_t>& masks) {
   tiles.cameras = rig_.cameras();
   tiles.masks.address = masks.raw().address();  // read as pairs
   tiles.tiles = tiles_;
-  recorder.dispatch(tile_kernel_, tiles, groupsFor(rig_.maxTileEntries(), kCarveWorkgroup), rig_.cameraCount());
+  recorder.dispatch(tile_kernel_, tiles, groupsFor(rig_.maxTileEntries(), kCarveWorkgroup),
+                    rig_.cameraCount());
 
   recordBlocks(recorder, top_blocks_, 0);
   recordBlocks(recorder, brick_blocks_, 1);

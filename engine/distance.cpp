@@ -22,7 +22,8 @@ FieldGrid placeField(const Carver& carver, const Vec3& center, const Vec3& half_
     const double low = (center[k] - half_size_m[k]) / voxel_m + 0.5 * carver.voxels();
     grid.place.low[k] = static_cast<int>(std::floor(low / alignment) * alignment);
     const double cells = (low - grid.place.low[k] + 2 * half_size_m[k] / voxel_m) / grid.place.stride;
-    grid.place.size[k] = std::min(kFieldCells, kGroup * static_cast<std::uint32_t>(std::ceil(cells / kGroup)));
+    grid.place.size[k] =
+        std::min(kFieldCells, kGroup * static_cast<std::uint32_t>(std::ceil(cells / kGroup)));
     // the voxel in the cell's middle stands for it
     grid.low[k] = voxel_m * (grid.place.low[k] + int(grid.place.stride / 2) + 0.5 - 0.5 * carver.voxels());
   }
@@ -46,7 +47,8 @@ void DistanceField::record(Recorder& recorder, const Carver& carver, const Field
   rows.squares = along_x_;
   rows.place = grid.place;
   rows.voxels = static_cast<std::uint32_t>(carver.voxels());
-  recorder.dispatch(grid.place.stride == 1 ? voxel_rows_ : cell_rows_, rows, groupsFor(size[1] * size[2], kFieldWorkgroup));
+  recorder.dispatch(grid.place.stride == 1 ? voxel_rows_ : cell_rows_, rows,
+                    groupsFor(size[1] * size[2], kFieldWorkgroup));
 
   DistanceLineArgs lines{};
   lines.cell_m = static_cast<float>(grid.cell_m);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Signed distance to the voxel model on a box of cells around the hand: the continuous measure of how far *outside* a patch is.
+// Signed distance to the voxel model on a box of cells around the hand: the continuous measure of how far
+// *outside* a patch is.
 #pragma once
 
 #include "engine/carve.h"
@@ -19,7 +20,8 @@ struct FieldGrid {
   }
 };
 
-/// A box that holds `half_size_m` around `center` (workspace's frame): cells as small as the voxels where at most kFieldCells of them reach that far.
+/// A box that holds `half_size_m` around `center` (workspace's frame): cells as small as the voxels where at
+/// most kFieldCells of them reach that far.
 FieldGrid placeField(const Carver& carver, const Vec3& center, const Vec3& half_size_m);
 
 class DistanceField {
@@ -29,7 +31,8 @@ class DistanceField {
   void record(Recorder& recorder, const Carver& carver, const FieldGrid& grid);
   /// As distance_io.h says, in the order of FieldGrid::index().
   const Buffer<std::uint64_t>& entries() const { return entries_; }
-  /// Metres, positive outside. Exact to kFieldReach cells outside and kFieldInnerReach inside. \pre the recorded work is done
+  /// Metres, positive outside. Exact to kFieldReach cells outside and kFieldInnerReach inside. \pre the
+  /// recorded work is done
   std::vector<float> download(const FieldGrid& grid) const;
 
  private:

@@ -16,7 +16,8 @@ std::vector<double> distanceReference(const VoxelGrid& model, const FieldGrid& g
         for (int x = 0; x < size[0]; ++x) visit(x, y, z);
   };
   forEachCell([&](int x, int y, int z) {
-    const int v[3] = {grid.place.low[0] + stride * x + stride / 2, grid.place.low[1] + stride * y + stride / 2,
+    const int v[3] = {grid.place.low[0] + stride * x + stride / 2,
+                      grid.place.low[1] + stride * y + stride / 2,
                       grid.place.low[2] + stride * z + stride / 2};
     const bool inside = std::all_of(v, v + 3, [&](int i) { return i >= 0 && i < model.voxels; });
     full[grid.index(x, y, z)] = inside && model.at(v[0], v[1], v[2]);

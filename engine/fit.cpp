@@ -15,7 +15,8 @@ FitModel fitModel(const HandModel& hand) {
   model.inertia_m2 = solid.inertia_m5 / solid.volume_m3;
   for (std::size_t i = 0; i < closed.triangles.size(); ++i) {
     const auto& [a, b, c] = closed.triangles[i];
-    const Vec3 &p = closed.vertices[std::size_t(a)], &q = closed.vertices[std::size_t(b)], &r = closed.vertices[std::size_t(c)];
+    const Vec3 &p = closed.vertices[std::size_t(a)], &q = closed.vertices[std::size_t(b)],
+               &r = closed.vertices[std::size_t(c)];
     const Vec3 twice_area = (q - p).cross(r - p);
     if (twice_area.norm() == 0) continue;  // no patch, no force
     GpuPatch patch{};
@@ -27,7 +28,8 @@ FitModel fitModel(const HandModel& hand) {
     model.patches.push_back(patch);
     model.patch_area_m2 += patch.area;
   }
-  for (const Vec3& vertex : closed.vertices) model.radius_m = std::max(model.radius_m, (vertex - solid.centroid).norm());
+  for (const Vec3& vertex : closed.vertices)
+    model.radius_m = std::max(model.radius_m, (vertex - solid.centroid).norm());
   return model;
 }
 
@@ -39,7 +41,8 @@ FitModel thinned(const FitModel& model, int step) {
     thin.patches.push_back(model.patches[i]);
     area += model.patches[i].area;
   }
-  for (GpuPatch& patch : thin.patches) patch.area = static_cast<float>(patch.area * model.patch_area_m2 / area);
+  for (GpuPatch& patch : thin.patches)
+    patch.area = static_cast<float>(patch.area * model.patch_area_m2 / area);
   return thin;
 }
 
@@ -47,8 +50,11 @@ Pose worldFromHand(const GpuFit& fit, const FitModel& model, const Workspace& wo
   const Vec3 position = fit.position.cast<double>();
   Pose world_from_hand = Pose::Identity();
   world_from_hand.linear() =
-      Eigen::Quaterniond(fit.rotation[3], fit.rotation[0], fit.rotation[1], fit.rotation[2]).normalized().toRotationMatrix();
-  world_from_hand.translation() = workspace.center + position - world_from_hand.linear() * model.gravity_center;
+      Eigen::Quaterniond(fit.rotation[3], fit.rotation[0], fit.rotation[1], fit.rotation[2])
+          .normalized()
+          .toRotationMatrix();
+  world_from_hand.translation() =
+      workspace.center + position - world_from_hand.linear() * model.gravity_center;
   return world_from_hand;
 }
 
@@ -61,10 +67,12 @@ GpuFit fitFromPose(const Pose& world_from_hand, const FitModel& model, const Wor
 }
 
 Fitter::Fitter(Gpu& gpu, const FitModel& model)
-    : model_(model), kernel_(gpu, "fit", fit_comp, {gpu.reductionWorkgroup()}), patches_(gpu, model.patches) {}
+    : model_(model),
+      kernel_(gpu, "fit", fit_comp, {gpu.reductionWorkgroup()}),
+      patches_(gpu, model.patches) {}
 
-void Fitter::record(Recorder& recorder, const DistanceField& field, const FieldGrid& grid, const Buffer<GpuFit>& fits,
-                    std::uint32_t count, const FitLimits& limits) {
+void Fitter::record(Recorder& recorder, const DistanceField& field, const FieldGrid& grid,
+                    const Buffer<GpuFit>& fits, std::uint32_t count, const FitLimits& limits) {
   FitArgs args{};
   args.patches = patches_;
   args.distances = field.entries();

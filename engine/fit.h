@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Hand pose estimation (section 2 of the paper): the skeletal model is pushed into the voxel model by forces on the patches that stick out.
+// Hand pose estimation (section 2 of the paper): the skeletal model is pushed into the voxel model by forces
+// on the patches that stick out.
 //
-// Positions here are in the workspace's frame (the world moved to the workspace's centre) unless a name says otherwise.
+// Positions here are in the workspace's frame (the world moved to the workspace's centre) unless a name says
+// otherwise.
 #pragma once
 
 #include "engine/distance.h"
@@ -22,9 +24,9 @@ struct HandFit {
   Pose world_from_hand = Pose::Identity();
   FitOutcome outcome = FitOutcome::kOutOfIterations;
   int iterations = 0;
-  double outside_m = 0;           ///< how far outside the patches are on average, by area
-  double outside_fraction = 1;    ///< share of the skin's patches that are outside the voxel model
-  bool tracked = false;           ///< believable: the voxel model explains the hand
+  double outside_m = 0;         ///< how far outside the patches are on average, by area
+  double outside_fraction = 1;  ///< share of the skin's patches that are outside the voxel model
+  bool tracked = false;         ///< believable: the voxel model explains the hand
 };
 
 /// What the fit needs of a hand model: patches about the centre of gravity of the solid hand.
@@ -41,17 +43,18 @@ FitModel fitModel(const HandModel& hand);
 /// Every `step`-th patch, with the areas scaled so that their sum stays: for the coarse search.
 FitModel thinned(const FitModel& model, int step);
 
-/// The margin of the force law, as a share of a cell: patches are pushed from this far inside the surface, so that opposite sides of the hand
-/// balance each other within the voxels' rounding.
+/// The margin of the force law, as a share of a cell: patches are pushed from this far inside the surface, so
+/// that opposite sides of the hand balance each other within the voxels' rounding.
 inline constexpr double kFitMargin = 0.25;
 
 struct FitLimits {
   int iterations = 40;
 };
 
-/// The twin of the kernel: one hypothesis, serial, in double precision. `start` and the result are as in GpuFit.
-GpuFit fitReference(const FitModel& model, const std::vector<double>& field, const FieldGrid& grid, const GpuFit& start,
-                    const FitLimits& limits);
+/// The twin of the kernel: one hypothesis, serial, in double precision. `start` and the result are as in
+/// GpuFit.
+GpuFit fitReference(const FitModel& model, const std::vector<double>& field, const FieldGrid& grid,
+                    const GpuFit& start, const FitLimits& limits);
 
 /// world_from_hand of a fit on the device, and back.
 Pose worldFromHand(const GpuFit& fit, const FitModel& model, const Workspace& workspace);
@@ -62,8 +65,8 @@ class Fitter {
  public:
   Fitter(Gpu& gpu, const FitModel& model);
   /// Records the fit of the first `count` of `fits`, all iterations, one workgroup each.
-  void record(Recorder& recorder, const DistanceField& field, const FieldGrid& grid, const Buffer<GpuFit>& fits,
-              std::uint32_t count, const FitLimits& limits);
+  void record(Recorder& recorder, const DistanceField& field, const FieldGrid& grid,
+              const Buffer<GpuFit>& fits, std::uint32_t count, const FitLimits& limits);
   const FitModel& model() const { return model_; }
 
  private:

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The fit of one hypothesis, serial and in double precision: the twin of fit.comp. Equations: section 2 of the paper.
+// The fit of one hypothesis, serial and in double precision: the twin of fit.comp. Equations: section 2 of
+// the paper.
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
@@ -42,10 +43,11 @@ Forces forcesAt(const FitModel& model, const std::vector<double>& field, const F
 
 }  // namespace
 
-GpuFit fitReference(const FitModel& model, const std::vector<double>& field, const FieldGrid& grid, const GpuFit& start,
-                    const FitLimits& limits) {
+GpuFit fitReference(const FitModel& model, const std::vector<double>& field, const FieldGrid& grid,
+                    const GpuFit& start, const FitLimits& limits) {
   // fit.comp explains these
-  constexpr double inertia_share = 0.01, max_turn = 0.25, max_shift = 0.03, stall_shift = 2e-5, stall_turn = 2e-4;
+  constexpr double inertia_share = 0.01, max_turn = 0.25, max_shift = 0.03, stall_shift = 2e-5,
+                   stall_turn = 2e-4;
   Eigen::Quaterniond rotation(start.rotation[3], start.rotation[0], start.rotation[1], start.rotation[2]);
   Vec3 position = start.position.cast<double>();
   GpuFit result = start;

@@ -35,8 +35,9 @@ double farthestVisible(const Camera& camera) {
   return 1.01 * farthest;  // between the samples
 }
 
-/// The largest partial derivatives of the distortion up to `reach`, {of a coordinate by itself, by the other}, by central differences on a
-/// polar grid; of the fisheye, {of the position in the picture by the direction's angle, 0}.
+/// The largest partial derivatives of the distortion up to `reach`, {of a coordinate by itself, by the
+/// other}, by central differences on a polar grid; of the fisheye, {of the position in the picture by the
+/// direction's angle, 0}.
 std::pair<double, double> steepness(const Lens& lens, double reach) {
   Lens unit = lens;
   unit.fx = unit.fy = 1;

@@ -32,8 +32,8 @@ class GpuRig {
   /// Entries of all masks' tiles (carve_io.h), and the largest number of any camera's.
   std::uint32_t tileEntries() const { return tile_entries_; }
   std::uint32_t maxTileEntries() const { return max_entries_; }
-  /// Words of all pictures together: BGR bytes, rows without padding, each camera's picture at a whole word; and one word more, so that
-  /// a kernel may read four pixels from any byte.
+  /// Words of all pictures together: BGR bytes, rows without padding, each camera's picture at a whole word;
+  /// and one word more, so that a kernel may read four pixels from any byte.
   std::uint32_t pictureWords() const { return picture_words_ + 1; }
   /// Pixels of all pictures together.
   std::uint32_t pixels() const { return pixels_; }
@@ -42,13 +42,15 @@ class GpuRig {
   /// A camera's picture within a buffer of pictureWords().
   std::span<std::uint8_t> picture(std::span<std::uint32_t> pictures, std::size_t camera) const {
     const GpuCamera& c = host_cameras_[camera];
-    return {reinterpret_cast<std::uint8_t*>(pictures.data() + c.picture_words), std::size_t(3) * c.width * c.height};
+    return {reinterpret_cast<std::uint8_t*>(pictures.data() + c.picture_words),
+            std::size_t(3) * c.width * c.height};
   }
   /// The largest number of rows, and of words a row, of any camera's mask.
   std::uint32_t maxRows() const { return max_rows_; }
   std::uint32_t maxRowWords() const { return max_row_words_; }
 
-  /// The size that all cameras share, {0, 0} where they differ: specialization constants 1 and 2 of picture.glsl.
+  /// The size that all cameras share, {0, 0} where they differ: specialization constants 1 and 2 of
+  /// picture.glsl.
   std::array<std::uint32_t, 2> sameSize() const;
   /// Bits of the kinds of lens there are: lens.glsl's kLenses.
   std::uint32_t lensKinds() const;
@@ -62,7 +64,8 @@ class GpuRig {
   Rig rig_;
   std::vector<GpuCamera> host_cameras_;
   Buffer<GpuCamera> cameras_;
-  std::uint32_t mask_words_ = 0, tile_entries_ = 0, max_entries_ = 0, max_rows_ = 0, max_row_words_ = 0,  picture_words_ = 0, pixels_ = 0, max_pixels_ = 0;
+  std::uint32_t mask_words_ = 0, tile_entries_ = 0, max_entries_ = 0, max_rows_ = 0, max_row_words_ = 0,
+                picture_words_ = 0, pixels_ = 0, max_pixels_ = 0;
 };
 
 /// The kernels' form of a camera, all but the memory layout.

@@ -15,9 +15,12 @@ using StageTimes = std::vector<std::pair<std::string, double>>;
 
 void addStages(const Recorder& recorder, StageTimes& total) {
   for (const auto& [name, ms] : recorder.stageMs()) {
-    const auto same = std::find_if(total.begin(), total.end(), [&name = name](const auto& stage) { return stage.first == name; });
-    if (same == total.end()) total.emplace_back(name, ms);
-    else same->second += ms;
+    const auto same = std::find_if(total.begin(), total.end(),
+                                   [&name = name](const auto& stage) { return stage.first == name; });
+    if (same == total.end())
+      total.emplace_back(name, ms);
+    else
+      same->second += ms;
   }
 }
 
@@ -52,7 +55,8 @@ struct Pipeline::Parts {
   void recordHull(bool from_pictures) {
     if (from_pictures) {
       if (!silhouettes.learned())
-        throw Error("the empty workspace has not been learned: give background pictures or empty first frames");
+        throw Error(
+            "the empty workspace has not been learned: give background pictures or empty first frames");
       recorder.stage("silhouette");
       silhouettes.record(recorder, pictures);
     }
@@ -95,8 +99,11 @@ struct Pipeline::Parts {
       }
     }
     finishClay(result);
-    result.hand = tracker.isEmpty() ? HandState::kEmpty : result.fit.tracked ? HandState::kTracked : HandState::kLost;
-    result.frame_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    result.hand = tracker.isEmpty()    ? HandState::kEmpty
+                  : result.fit.tracked ? HandState::kTracked
+                                       : HandState::kLost;
+    result.frame_ms =
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     return result;
   }
 
@@ -142,14 +149,18 @@ void Pipeline::learnBackground() {
   parts_->recorder.submitAndWait();
 }
 
-FrameResult Pipeline::processPictures(bool held) { return parts_->process(true, held); }
+FrameResult Pipeline::processPictures(bool held) {
+  return parts_->process(true, held);
+}
 
 FrameResult Pipeline::processMasks(const std::vector<Mask>& masks, bool held) {
   parts_->takeMasks(masks);
   return parts_->process(false, held);
 }
 
-void Pipeline::hullFromPictures() { parts_->hull(true); }
+void Pipeline::hullFromPictures() {
+  parts_->hull(true);
+}
 
 void Pipeline::hullFromMasks(const std::vector<Mask>& masks) {
   parts_->takeMasks(masks);
@@ -161,12 +172,26 @@ void Pipeline::forgetHand() {
   if (parts_->sculptor) parts_->sculptor->forget();
 }
 
-const Rig& Pipeline::rig() const { return parts_->gpu_rig.rig(); }
-const HandModel& Pipeline::hand() const { return parts_->hand; }
-const Silhouettes& Pipeline::silhouettes() const { return parts_->silhouettes; }
-const GpuRig& Pipeline::gpuRig() const { return parts_->gpu_rig; }
-const Carver& Pipeline::carver() const { return parts_->carver; }
-Clay& Pipeline::clay() { return *parts_->clay; }
-const Clay& Pipeline::clay() const { return *parts_->clay; }
+const Rig& Pipeline::rig() const {
+  return parts_->gpu_rig.rig();
+}
+const HandModel& Pipeline::hand() const {
+  return parts_->hand;
+}
+const Silhouettes& Pipeline::silhouettes() const {
+  return parts_->silhouettes;
+}
+const GpuRig& Pipeline::gpuRig() const {
+  return parts_->gpu_rig;
+}
+const Carver& Pipeline::carver() const {
+  return parts_->carver;
+}
+Clay& Pipeline::clay() {
+  return *parts_->clay;
+}
+const Clay& Pipeline::clay() const {
+  return *parts_->clay;
+}
 
 }  // namespace airclay

@@ -33,24 +33,24 @@ struct ClayOptions {
 };
 
 enum class HandState {
-  kEmpty,    ///< nobody there: too little in the picture to be a hand
+  kEmpty,  ///< nobody there: too little in the picture to be a hand
   kTracked,
-  kLost,     ///< something is there, but no pose explains it
+  kLost,  ///< something is there, but no pose explains it
 };
 
 /// What became of the clay in a frame.
 struct ClayStep {
-  int touched = 0;            ///< data points that the hand has reached
-  int repeats = 0;            ///< of contact and solve
-  double penetration_m = 0;   ///< what is left of it
+  int touched = 0;           ///< data points that the hand has reached
+  int repeats = 0;           ///< of contact and solve
+  double penetration_m = 0;  ///< what is left of it
 };
 
 struct FrameResult {
   HandState hand = HandState::kEmpty;
-  HandFit fit;                ///< meaningful unless kEmpty
+  HandFit fit;  ///< meaningful unless kEmpty
   ClayStep clay;
-  bool searched = false;      ///< the hand was looked for all around: such a frame takes longer
-  double frame_ms = 0;        ///< wall time from pixels in memory to the result
+  bool searched = false;  ///< the hand was looked for all around: such a frame takes longer
+  double frame_ms = 0;    ///< wall time from pixels in memory to the result
   /// On the device, disjoint, by name: silhouette, carve, fit, and with clay: clay.
   std::vector<std::pair<std::string, double>> stage_ms;
 };
@@ -64,7 +64,8 @@ class Pipeline {
   Pipeline(const Pipeline&) = delete;
   Pipeline& operator=(const Pipeline&) = delete;
 
-  /// Where camera `camera`'s next picture goes: tightly packed BGR, 3 bytes a pixel, in memory that the kernels read.
+  /// Where camera `camera`'s next picture goes: tightly packed BGR, 3 bytes a pixel, in memory that the
+  /// kernels read.
   std::span<std::uint8_t> picture(std::size_t camera);
   /// The pictures now in memory show the empty workspace.
   void learnBackground();

@@ -26,7 +26,8 @@ std::vector<std::uint32_t> constants(const GpuRig& rig) {
 }  // namespace
 
 std::uint32_t largestHole(int picture_width) {
-  return std::max<std::uint32_t>(4, static_cast<std::uint32_t>(100LL * picture_width * picture_width / (640 * 640)));
+  return std::max<std::uint32_t>(
+      4, static_cast<std::uint32_t>(100LL * picture_width * picture_width / (640 * 640)));
 }
 
 Silhouettes::Silhouettes(Gpu& gpu, const GpuRig& rig)
@@ -72,7 +73,8 @@ void Silhouettes::recordLearning(Recorder& recorder, const Buffer<std::uint32_t>
 }
 
 void Silhouettes::finishLearning(Recorder& recorder) {
-  if (learned_frames_ == 0) throw Error("the background cannot be learned without a frame of the empty workspace");
+  if (learned_frames_ == 0)
+    throw Error("the background cannot be learned without a frame of the empty workspace");
   BackgroundArgs args{};
   args.cameras = rig_.cameras();
   args.sums = sums_;
@@ -85,7 +87,8 @@ void Silhouettes::finishLearning(Recorder& recorder) {
 RunArgs Silhouettes::runArgs(bool holes) const {
   RunArgs args{};
   args.cameras = rig_.cameras();
-  args.masks.address = (holes ? largest_mask_ : majority_mask_).raw().address();  // as pairs of words, here and below
+  args.masks.address =
+      (holes ? largest_mask_ : majority_mask_).raw().address();  // as pairs of words, here and below
   args.run_counts = run_counts_;
   args.runs = runs_;
   args.labels = labels_;

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Silhouettes: which pixels show the hand.
 //
-// A background model a pixel (mean and spread, learned from the empty workspace), compared tolerantly of shadow and of small changes
-// of brightness; the 3 x 3 majority against speckle; the largest connected part; small holes closed. Masks stay in the raw,
-// distorted picture: carving projects through the lens model, so nothing is resampled and no part of the field is lost.
+// A background model a pixel (mean and spread, learned from the empty workspace), compared tolerantly of
+// shadow and of small changes of brightness; the 3 x 3 majority against speckle; the largest connected part;
+// small holes closed. Masks stay in the raw, distorted picture: carving projects through the lens model, so
+// nothing is resampled and no part of the field is lost.
 #pragma once
 
 #include "engine/gpu/kernel.h"
@@ -17,8 +18,8 @@ class Silhouettes {
  public:
   Silhouettes(Gpu& gpu, const GpuRig& rig);
 
-  /// Records the learning of one frame of the empty workspace, at most kMaxLearnFrames; then finishLearning() makes the model.
-  /// `pictures`: GpuRig's layout.
+  /// Records the learning of one frame of the empty workspace, at most kMaxLearnFrames; then finishLearning()
+  /// makes the model. `pictures`: GpuRig's layout.
   void recordLearning(Recorder& recorder, const Buffer<std::uint32_t>& pictures);
   void finishLearning(Recorder& recorder);
   bool learned() const { return learned_; }
@@ -29,7 +30,8 @@ class Silhouettes {
   /// One bit a pixel, GpuRig's layout. Also written by the host for masks that a take brings along.
   Buffer<std::uint32_t>& masks() { return masks_; }
   const Buffer<std::uint32_t>& masks() const { return masks_; }
-  /// The background model, one word a pixel (silhouette_io.h), and the steps on the way: for comparison with the reference.
+  /// The background model, one word a pixel (silhouette_io.h), and the steps on the way: for comparison with
+  /// the reference.
   const Buffer<std::uint32_t>& model() const { return model_; }
   const Buffer<std::uint32_t>& levels() const { return levels_; }
   const Buffer<std::uint32_t>& segmented() const { return segmented_; }
@@ -53,8 +55,8 @@ class Silhouettes {
   bool learned_ = false;
 };
 
-/// Holes of up to this many pixels are closed: 100 in a picture 640 wide, about 15 x 15 mm at a metre; the ring of thumb and
-/// forefinger is larger.
+/// Holes of up to this many pixels are closed: 100 in a picture 640 wide, about 15 x 15 mm at a metre; the
+/// ring of thumb and forefinger is larger.
 std::uint32_t largestHole(int picture_width);
 
 // --- the reference, in double precision, step by step ---

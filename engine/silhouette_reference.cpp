@@ -9,7 +9,8 @@
 namespace airclay {
 namespace {
 
-/// Labels the parts of pixels of one kind; calls `visit` with each part's pixel indices and whether it touches the border.
+/// Labels the parts of pixels of one kind; calls `visit` with each part's pixel indices and whether it
+/// touches the border.
 template <class Visit>
 void forEachPart(const Mask& mask, bool object, bool eight_connected, Visit visit) {
   std::vector<char> done(mask.pixels.size());
@@ -60,14 +61,16 @@ double scoreReference(const Vec3& seen, const BackgroundPixel& background) {
   const double tolerance = double(kColourSpreads) * background.spread;
   const double slack = tolerance / std::sqrt(square);
   const double colour = (seen - alpha * background.mean).norm() / tolerance;
-  const double brightness =
-      alpha > 1 ? (alpha - 1) / (double(kBrightest) - 1 + slack) : (1 - alpha) / (1 - double(kDarkest) + slack);
+  const double brightness = alpha > 1 ? (alpha - 1) / (double(kBrightest) - 1 + slack)
+                                      : (1 - alpha) / (1 - double(kDarkest) + slack);
   return std::max(colour, brightness);
 }
 
 Mask edgesReference(int width, int height, const std::vector<double>& scores) {
   Mask mask{width, height, std::vector<std::uint8_t>(scores.size())};
-  const auto octave = [](double score) { return score >= 8 ? 3 : score >= 4 ? 2 : score >= 2 ? 1 : score >= 1 ? 0 : -1; };
+  const auto octave = [](double score) {
+    return score >= 8 ? 3 : score >= 4 ? 2 : score >= 2 ? 1 : score >= 1 ? 0 : -1;
+  };
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const int own = octave(scores[std::size_t(y * width + x)]);

@@ -22,17 +22,22 @@ constexpr double kSamePlace = 0.005, kSameTurn = 0.05;
 constexpr int kMaxFits = 3 * kCoarseRotations;
 // Patches farther outside than this on average, and the hand is not there; a good fit has a tenth of a cell.
 constexpr double kLostCells = 0.4, kLostMetres = 0.002;
-// What is left uncovered weighs, in metres of outside distance, so much when all is: a flipped hand leaves a third uncovered, and sticks out by a few
-// tenths of a millimetre more or less.
+// What is left uncovered weighs, in metres of outside distance, so much when all is: a flipped hand leaves a
+// third uncovered, and sticks out by a few tenths of a millimetre more or less.
 constexpr double kUncoveredMetres = 0.004;
 
-double score(const GpuFit& fit, double uncovered) { return fit.outside_m + kUncoveredMetres * uncovered; }
+double score(const GpuFit& fit, double uncovered) {
+  return fit.outside_m + kUncoveredMetres * uncovered;
+}
 
 void addStages(const Recorder& recorder, std::vector<std::pair<std::string, double>>& stage_ms) {
   for (const auto& [name, ms] : recorder.stageMs()) {
-    const auto same = std::find_if(stage_ms.begin(), stage_ms.end(), [&name = name](const auto& s) { return s.first == name; });
-    if (same == stage_ms.end()) stage_ms.emplace_back(name, ms);
-    else same->second += ms;
+    const auto same = std::find_if(stage_ms.begin(), stage_ms.end(),
+                                   [&name = name](const auto& s) { return s.first == name; });
+    if (same == stage_ms.end())
+      stage_ms.emplace_back(name, ms);
+    else
+      same->second += ms;
   }
 }
 
@@ -55,7 +60,8 @@ std::vector<Eigen::Quaterniond> spreadRotations(int count) {
   for (int i = 0; i < count; ++i) {
     const double s = i + 0.5, t = s / count, d = 2 * M_PI * s;
     const double r = std::sqrt(t), big_r = std::sqrt(1 - t), alpha = d / phi, beta = d / psi;
-    rotations.emplace_back(big_r * std::cos(beta), r * std::sin(alpha), r * std::cos(alpha), big_r * std::sin(beta));
+    rotations.emplace_back(big_r * std::cos(beta), r * std::sin(alpha), r * std::cos(alpha),
+                           big_r * std::sin(beta));
   }
   return rotations;
 }
@@ -64,7 +70,8 @@ FieldGrid gridAround(const Carver& carver, const FitModel& model, const GpuFit& 
   const Mat3 turn = rotationOf(fit).normalized().toRotationMatrix();
   Eigen::AlignedBox3d box;
   for (const GpuPatch& patch : model.patches) box.extend(Vec3(turn * patch.center.cast<double>()));
-  return placeField(carver, fit.position.cast<double>() + box.center(), 0.5 * box.sizes() + Vec3::Constant(kReachAround));
+  return placeField(carver, fit.position.cast<double>() + box.center(),
+                    0.5 * box.sizes() + Vec3::Constant(kReachAround));
 }
 
 HandTracker::HandTracker(Gpu& gpu, const GpuRig& rig, const HandModel& hand, const Carver& carver)
@@ -85,10 +92,13 @@ HandTracker::HandTracker(Gpu& gpu, const GpuRig& rig, const HandModel& hand, con
   hand_high_ = box.max();
   // a hull is larger than its hand; half the hand's volume is a hand that is just coming in
   const double hand_m3 = massProperties(hand.skin).volume_m3;
-  min_occupied_ = static_cast<std::uint32_t>(std::max(1.0, 0.5 * hand_m3 / std::pow(carver.voxelMetres(), 3)));
+  min_occupied_ =
+      static_cast<std::uint32_t>(std::max(1.0, 0.5 * hand_m3 / std::pow(carver.voxelMetres(), 3)));
 }
 
-bool HandTracker::isEmpty() const { return carver_.summary().host()[0].occupied < min_occupied_; }
+bool HandTracker::isEmpty() const {
+  return carver_.summary().host()[0].occupied < min_occupied_;
+}
 
 FitChooseArgs HandTracker::chooseArgs(std::uint32_t count, double cell_m) const {
   FitChooseArgs args{};
@@ -153,7 +163,9 @@ double HandTracker::uncovered(const GpuFit& fit, const std::vector<Vec3>& cells,
   int near = 0, bare = 0;
   for (const Vec3& cell : cells) {
     const Vec3 in_hand = hand_from_workspace * (cell - position) + model().gravity_center;
-    if ((in_hand.array() < hand_low_.array() - cell_m).any() || (in_hand.array() > hand_high_.array() + cell_m).any()) continue;
+    if ((in_hand.array() < hand_low_.array() - cell_m).any() ||
+        (in_hand.array() > hand_high_.array() + cell_m).any())
+      continue;
     ++near;
     bare += sample(hand_distance_, in_hand) > cell_m;
   }
@@ -195,7 +207,8 @@ std::vector<GpuFit> HandTracker::searchStarts(const std::vector<Vec3>& cells) co
   const Vec3 along = 1.4 * std::sqrt(axes.eigenvalues()[2]) * axes.eigenvectors().col(2);
   std::vector<GpuFit> fits;
   for (const Vec3& position : {mean, Vec3(mean + along), Vec3(mean - along)})
-    for (const Eigen::Quaterniond& rotation : spreadRotations(kCoarseRotations)) fits.push_back(fitAt(rotation, position));
+    for (const Eigen::Quaterniond& rotation : spreadRotations(kCoarseRotations))
+      fits.push_back(fitAt(rotation, position));
   return fits;
 }
 
@@ -208,9 +221,9 @@ void HandTracker::recordField(Recorder& recorder, const FieldGrid& grid,
   addStages(recorder, stage_ms);
 }
 
-std::vector<HandTracker::Candidate> HandTracker::fitAll(Recorder& recorder, Fitter& fitter, const FieldGrid& grid,
-                                                        const std::vector<GpuFit>& starts, int iterations,
-                                                        std::vector<std::pair<std::string, double>>& stage_ms) {
+std::vector<HandTracker::Candidate> HandTracker::fitAll(
+    Recorder& recorder, Fitter& fitter, const FieldGrid& grid, const std::vector<GpuFit>& starts,
+    int iterations, std::vector<std::pair<std::string, double>>& stage_ms) {
   std::copy(starts.begin(), starts.end(), fits_.host().begin());
   recorder.begin();
   recorder.stage("fit");
@@ -232,13 +245,16 @@ bool HandTracker::search(Recorder& recorder, std::vector<std::pair<std::string, 
   const std::vector<Vec3> cells = occupiedCells(grid);
   if (cells.empty()) return false;
 
-  std::vector<Candidate> candidates = fitAll(recorder, coarse_fitter_, grid, searchStarts(cells), kCoarseIterations, stage_ms);
+  std::vector<Candidate> candidates =
+      fitAll(recorder, coarse_fitter_, grid, searchStarts(cells), kCoarseIterations, stage_ms);
   keepBest(candidates, cells, grid.cell_m, kMiddleCandidates);
   candidates = fitAll(recorder, fitter_, grid, starts(candidates), FitLimits{}.iterations, stage_ms);
   keepBest(candidates, cells, grid.cell_m, kFineCandidates);
 
-  // around the best, in cells as small as a box for any turn of the hand allows; the others are mostly the same place turned
-  const FieldGrid fine = placeField(carver_, candidates.front().fit.position.cast<double>(), Vec3::Constant(model().radius_m + kReachAround));
+  // around the best, in cells as small as a box for any turn of the hand allows; the others are mostly the
+  // same place turned
+  const FieldGrid fine = placeField(carver_, candidates.front().fit.position.cast<double>(),
+                                    Vec3::Constant(model().radius_m + kReachAround));
   recordField(recorder, fine, stage_ms);
   candidates = fitAll(recorder, fitter_, fine, starts(candidates), FitLimits{}.iterations, stage_ms);
   keepBest(candidates, cells, grid.cell_m, 1);

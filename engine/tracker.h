@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Where the hand is, frame after frame: from the last pose while there is one, by a search over all orientations while there is none.
+// Where the hand is, frame after frame: from the last pose while there is one, by a search over all
+// orientations while there is none.
 //
-// On the first frame the paper starts with the model's centre of gravity on the voxel model's. The orientation is unknown then, and the
-// published iteration alone gets stuck from 15° off; so it is started from orientations all around, coarse to fine. A forearm in the picture draws
-// the voxel model's centre of gravity along the arm; so it is started along the voxel model's long axis, too.
+// On the first frame the paper starts with the model's centre of gravity on the voxel model's. The
+// orientation is unknown then, and the published iteration alone gets stuck from 15° off; so it is started
+// from orientations all around, coarse to fine. A forearm in the picture draws the voxel model's centre of
+// gravity along the arm; so it is started along the voxel model's long axis, too.
 #pragma once
 
 #include "engine/distance_grid.h"
@@ -19,15 +21,17 @@ class HandTracker {
   bool hasPose() const { return has_pose_; }
   void forget() { has_pose_ = false; }
 
-  /// Records the fit from the last pose and its continuation, after the carving in the same submission. \pre hasPose()
+  /// Records the fit from the last pose and its continuation, after the carving in the same submission. \pre
+  /// hasPose()
   void recordTracking(Recorder& recorder);
-  /// Searches the carved model, with submissions of its own, and leaves the best pose as the one to start from. False when nothing there
-  /// could be a hand. Stage times of its submissions are added to `stage_ms`.
+  /// Searches the carved model, with submissions of its own, and leaves the best pose as the one to start
+  /// from. False when nothing there could be a hand. Stage times of its submissions are added to `stage_ms`.
   bool search(Recorder& recorder, std::vector<std::pair<std::string, double>>& stage_ms);
 
   /// The result on the device: element 0.
   const Buffer<GpuFit>& result() const { return result_; }
-  /// Takes the result of the finished submission as the last pose when it is believable, forgets the hand when it is not.
+  /// Takes the result of the finished submission as the last pose when it is believable, forgets the hand
+  /// when it is not.
   HandFit finish();
   /// \pre the carving is done
   bool isEmpty() const;
@@ -40,12 +44,15 @@ class HandTracker {
     double uncovered = 0;
   };
   std::vector<Vec3> occupiedCells(const FieldGrid& grid) const;
-  std::vector<Candidate> fitAll(Recorder& recorder, Fitter& fitter, const FieldGrid& grid, const std::vector<GpuFit>& starts,
-                                int iterations, std::vector<std::pair<std::string, double>>& stage_ms);
-  void keepBest(std::vector<Candidate>& candidates, const std::vector<Vec3>& cells, double cell_m, std::size_t count) const;
+  std::vector<Candidate> fitAll(Recorder& recorder, Fitter& fitter, const FieldGrid& grid,
+                                const std::vector<GpuFit>& starts, int iterations,
+                                std::vector<std::pair<std::string, double>>& stage_ms);
+  void keepBest(std::vector<Candidate>& candidates, const std::vector<Vec3>& cells, double cell_m,
+                std::size_t count) const;
   static std::vector<GpuFit> starts(const std::vector<Candidate>& candidates);
   std::vector<GpuFit> searchStarts(const std::vector<Vec3>& cells) const;
-  void recordField(Recorder& recorder, const FieldGrid& grid, std::vector<std::pair<std::string, double>>& stage_ms);
+  void recordField(Recorder& recorder, const FieldGrid& grid,
+                   std::vector<std::pair<std::string, double>>& stage_ms);
   double uncovered(const GpuFit& fit, const std::vector<Vec3>& cells, double cell_m) const;
   FitChooseArgs chooseArgs(std::uint32_t count, double cell_m) const;
 
@@ -67,7 +74,8 @@ class HandTracker {
 /// The cells around the skin in that pose, and as far as a hand moves between two frames.
 FieldGrid gridAround(const Carver& carver, const FitModel& model, const GpuFit& fit);
 
-/// `count` rotations spread evenly over all (Alexa 2022, "Super-Fibonacci Spirals: Fast, Low-Discrepancy Sampling of SO(3)").
+/// `count` rotations spread evenly over all (Alexa 2022, "Super-Fibonacci Spirals: Fast, Low-Discrepancy
+/// Sampling of SO(3)").
 std::vector<Eigen::Quaterniond> spreadRotations(int count);
 
 }  // namespace airclay

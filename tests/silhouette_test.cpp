@@ -24,11 +24,11 @@ struct Studio {
         const double u = x - 0.45 * width, v = y - 0.5 * height;
         if (hand && std::hypot(u - 40, v - 10) < 30) color *= 0.65;  // its shadow
         if (hand && std::hypot(u, v) < 30) color = Vec3(110, 140, 205) * (1 - 0.004 * u);
-        if (hand && std::hypot(u + 5, v - 6) < 3) color = Vec3(120, 105, 85);  // a hole
+        if (hand && std::hypot(u + 5, v - 6) < 3) color = Vec3(120, 105, 85);   // a hole
         if (hand && std::hypot(u - 70, v + 40) < 4) color = Vec3(40, 60, 200);  // something small
         for (int c = 0; c < 3; ++c)
-          bgr[std::size_t(3 * (y * width + x) + c)] =
-              static_cast<std::uint8_t>(std::clamp(std::round(brightness * color[c] + noise(random)), 0.0, 255.0));
+          bgr[std::size_t(3 * (y * width + x) + c)] = static_cast<std::uint8_t>(
+              std::clamp(std::round(brightness * color[c] + noise(random)), 0.0, 255.0));
       }
     return bgr;
   }
@@ -81,7 +81,9 @@ Segmented segment(Studio& studio, bool hand, double brightness = 1) {
   return result;
 }
 
-long pixelsSet(const Mask& mask) { return std::count(mask.pixels.begin(), mask.pixels.end(), 255); }
+long pixelsSet(const Mask& mask) {
+  return std::count(mask.pixels.begin(), mask.pixels.end(), 255);
+}
 
 TEST(Silhouette, SegmentationEqualsTheReferenceAwayFromItsThresholds) {
   // 203 pixels: rows do not start at whole words
@@ -92,7 +94,8 @@ TEST(Silhouette, SegmentationEqualsTheReferenceAwayFromItsThresholds) {
       std::vector<double> scores(result.raw[c].pixels.size());
       std::vector<char> exempt(scores.size());
       for (std::size_t i = 0; i < scores.size(); ++i) {
-        const Vec3 seen(result.pictures[c][3 * i], result.pictures[c][3 * i + 1], result.pictures[c][3 * i + 2]);
+        const Vec3 seen(result.pictures[c][3 * i], result.pictures[c][3 * i + 1],
+                        result.pictures[c][3 * i + 2]);
         // the model is stored in whole grey levels and eighths of spread
         const BackgroundPixel& background = result.background[c][i];
         BackgroundPixel stored;
@@ -104,12 +107,14 @@ TEST(Silhouette, SegmentationEqualsTheReferenceAwayFromItsThresholds) {
             // a level taken the other way shows up to two pixels away
             const int x = static_cast<int>(i) % width, y = static_cast<int>(i) / width;
             for (int v = std::max(y - 2, 0); v <= std::min(y + 2, 239); ++v)
-              for (int u = std::max(x - 2, 0); u <= std::min(x + 2, width - 1); ++u) exempt[std::size_t(v * width + u)] = 1;
+              for (int u = std::max(x - 2, 0); u <= std::min(x + 2, width - 1); ++u)
+                exempt[std::size_t(v * width + u)] = 1;
           }
       }
       const Mask expected = edgesReference(width, 240, scores);
       std::size_t different = 0;
-      for (std::size_t i = 0; i < scores.size(); ++i) different += !exempt[i] && expected.pixels[i] != result.raw[c].pixels[i];
+      for (std::size_t i = 0; i < scores.size(); ++i)
+        different += !exempt[i] && expected.pixels[i] != result.raw[c].pixels[i];
       EXPECT_EQ(different, 0u);
       EXPECT_LT(std::count(exempt.begin(), exempt.end(), 1), 1000);
     }
@@ -134,13 +139,14 @@ TEST(Silhouette, LargestPartEqualsOpenCv) {
   for (std::size_t c = 0; c < result.majority.size(); ++c) {
     Mask majority = result.majority[c];
     cv::Mat labels, stats, centers;
-    cv::connectedComponentsWithStats(cv::Mat(majority.height, majority.width, CV_8U, majority.pixels.data()), labels, stats,
-                                     centers, 8);
+    cv::connectedComponentsWithStats(cv::Mat(majority.height, majority.width, CV_8U, majority.pixels.data()),
+                                     labels, stats, centers, 8);
     int largest = 1;
     for (int i = 1; i < stats.rows; ++i)
       if (stats.at<int>(i, cv::CC_STAT_AREA) > stats.at<int>(largest, cv::CC_STAT_AREA)) largest = i;
     for (int i = 0; i < majority.height * majority.width; ++i)
-      ASSERT_EQ(result.largest[c].pixels[std::size_t(i)] != 0, labels.at<int>(i / majority.width, i % majority.width) == largest);
+      ASSERT_EQ(result.largest[c].pixels[std::size_t(i)] != 0,
+                labels.at<int>(i / majority.width, i % majority.width) == largest);
   }
 }
 
