@@ -2,9 +2,8 @@
 // The voxel model (the paper's fig. 1) in device memory, and the arguments of the kernels that carve it.
 //
 // Voxel (i, j, k) of N³ has its centre at (i + ½, j + ½, k + ½) · edge / N from the workspace's low corner.
-// The model is stored brick by brick: 8³ voxels, each brick empty, full, or mixed. A mixed brick has 16
-// words: its eight 4³ blocks in turn (x fastest), two words each; bit x + 4 y + 16 z of a block, the low word
-// first.
+// The model is stored brick by brick: 8³ voxels, each brick empty, full, or mixed. A mixed brick has 16 words: its eight 4³ blocks
+// in turn (x fastest), two words each; bit x + 4 y + 16 z of a block, the low word first.
 #ifndef AIRCLAY_CARVE_IO_H
 #define AIRCLAY_CARVE_IO_H
 
@@ -12,9 +11,9 @@
 
 AIRCLAY_IO_BEGIN
 
-const uint kBrickVoxels = 8;  // along an edge
-const uint kBlockVoxels = 4;  // along an edge of the smallest block that is classed as a whole
-const uint kTopVoxels = 32;   // along an edge of the largest
+const uint kBrickVoxels = 8;   // along an edge
+const uint kBlockVoxels = 4;   // along an edge of the smallest block that is classed as a whole
+const uint kTopVoxels = 32;    // along an edge of the largest
 const uint kBrickWords = 16;
 
 const uint kBrickEmpty = 0;
@@ -44,7 +43,7 @@ READ_WRITE_POINTER(ReadWriteMixedCounts, MixedCount)
 
 // Volume and centre of gravity, from integers: exact.
 struct HullSummary {
-  uint occupied;  // voxels
+  uint occupied;   // voxels
   uint pad;
   vec3 gravity_center;  // metres, from the workspace's centre; 0 when nothing is occupied
 };
@@ -59,9 +58,8 @@ READ_WRITE_POINTER(ReadWriteUlongs, uint64_t)
 // Workgroup size of all but the summary's second step.
 const uint kCarveWorkgroup = 64;
 
-// carve_tiles: for each tile of 4 x 4 pixels of each mask whether any, and whether all of its pixels are set.
-// An entry is 32 tiles of a row: `any` in its low word, `all` in its high one. A block's rectangle is then a
-// few loads; summed-area tables would cost more to build than they save.
+// carve_tiles: for each tile of 4 x 4 pixels of each mask whether any, and whether all of its pixels are set. An entry is 32 tiles of a row: `any` in
+// its low word, `all` in its high one. A block's rectangle is then a few loads; summed-area tables would cost more to build than they save.
 const uint kTilePixels = 4;
 const uint kEntryTiles = 32;
 
@@ -83,10 +81,10 @@ struct CarveBlockArgs {
   WriteUints brick_states;
   WriteUints words;
   uint camera_count;
-  uint voxels;  // N
+  uint voxels;          // N
   float voxel_m;
-  uint runs_edge;         // runs along x in a parent
-  uint children_edge;     // children along a parent's y and z
+  uint runs_edge;       // runs along x in a parent
+  uint children_edge;   // children along a parent's y and z
   uint next_invocations;  // that a child means for the next kernel
 };
 
@@ -101,8 +99,7 @@ struct CarveVoxelArgs {
   float voxel_m;
 };
 
-// carve_summary: partial sums of voxel counts and indices (count, x, y, z) a workgroup; carve_total: their
-// sum.
+// carve_summary: partial sums of voxel counts and indices (count, x, y, z) a workgroup; carve_total: their sum.
 struct CarveSummaryArgs {
   ReadUints brick_states;
   ReadUints words;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Contact in device memory: what is kept of each data point, the frame's state, and the kernels' arguments.
-// The method is told in engine/contact.h.
+// Contact in device memory: what is kept of each data point, the frame's state, and the kernels' arguments. The method is told in engine/contact.h.
 #ifndef AIRCLAY_CONTACT_IO_H
 #define AIRCLAY_CONTACT_IO_H
 
@@ -31,8 +30,7 @@ const float kContactShortWay = 1e-6;
 
 // What is left may be so deep; the repeats end.
 const float kContactDepthWanted = 0.001;
-// A repeat that leaves more than this share of the least depth so far does not shrink it; after so many in a
-// row the repeats end.
+// A repeat that leaves more than this share of the least depth so far does not shrink it; after so many in a row the repeats end.
 const float kContactShrinks = 0.98;
 const uint kContactMaxStalls = 3;
 const uint kContactMaxRepeats = 32;
@@ -45,11 +43,10 @@ const uint kPointIgnored = 2;  // inside when tracking began, and not left yet
 
 // A data point between two checks. Lengths along `direction` are in metres.
 struct GpuContactPoint {
-  vec3 position;  // of the data point at the last check, workspace
+  vec3 position;   // of the data point at the last check, workspace
   uint state;
   vec3 direction;  // unit, outwards, hand's frame; of a reached point
-  float depth;  // from the point to the hand's surface along it; negative: the surface lies behind, at most
-                // `pushed`
+  float depth;     // from the point to the hand's surface along it; negative: the surface lies behind, at most `pushed`
   float depth_before;  // a check ago
   float pushed;        // all that the point was displaced by in this frame, for the solve
   float pushed_plain;  // that without momentum, see contact_push
@@ -77,17 +74,17 @@ struct GpuContactFrame {
   vec3 position_before;  // of the centre of gravity, workspace, metres
   vec3 position_now;
   uint mode;
-  uint known;  // 1: the hand's pose in the next frame's `before` will be this frame's `now`
+  uint known;       // 1: the hand's pose in the next frame's `before` will be this frame's `now`
   uint done;
-  uint touched;    // data points that are reached
-  uint repeats;    // solves done in this frame
-  uint stalls;     // repeats in a row that did not shrink the depth
-  float depth_m;   // the largest left
-  float least_m;   // of all repeats of this frame
-  float quotient;  // the largest Rayleigh quotient met; 0: none yet
-  float step;      // of the next push
+  uint touched;     // data points that are reached
+  uint repeats;     // solves done in this frame
+  uint stalls;      // repeats in a row that did not shrink the depth
+  float depth_m;    // the largest left
+  float least_m;    // of all repeats of this frame
+  float quotient;   // the largest Rayleigh quotient met; 0: none yet
+  float step;       // of the next push
   float momentum;
-  float theta;               // Nesterov's sequence
+  float theta;      // Nesterov's sequence
   GpuGroups point_groups;    // contact_find, contact_push, subdivide
   GpuGroups project_groups;  // solve_project
   GpuGroups apply_groups;    // solve_apply

@@ -8,14 +8,13 @@
 AIRCLAY_IO_BEGIN
 
 const uint kSensorWorkgroup = 64;
-const uint kRayStep =
-    16;  // pixels between the rays that the backdrop is given; the lens is smooth between them
+const uint kRayStep = 16;        // pixels between the rays that the backdrop is given; the lens is smooth between them
 const uint kQuantileBits = 13;   // noise up to 3.8 sigma
 const uint kShadowCells = 64;    // along each side of the floor's shadow map
 const float kShadowHalf = 1.7f;  // the map reaches this many workspace edges to each side of the middle
 
-// The backdrop holds two words a pixel: what it shows with nothing before it (sRGB in 11, 11 and 10 bits, red
-// lowest: finer than the noise), and where that place lies in the shadow map (16 bits each way, whole map).
+// The backdrop holds two words a pixel: what it shows with nothing before it (sRGB in 11, 11 and 10 bits, red lowest: finer than the noise),
+// and where that place lies in the shadow map (16 bits each way, whole map).
 
 // sensor_backdrop.comp: a studio's sweep (floor, rounded into a round wall), lit from above.
 struct BackdropArgs {
@@ -26,10 +25,10 @@ struct BackdropArgs {
   uint width;
   uint height;
   uint pixels_before;
-  float edge_m;  // the workspace's
+  float edge_m;       // the workspace's
   float floor_z;
   float wall_radius;
-  vec2 key_slope;  // metres sideways a metre up, towards the light
+  vec2 key_slope;     // metres sideways a metre up, towards the light
 };
 
 // sensor.vert, sensor.frag
@@ -65,7 +64,7 @@ struct ComposeArgs {
   ReadUints backdrop;
   ReadFloats shadow;
   ReadFloats quantiles;  // of the normal distribution, 1 << kQuantileBits equally likely ones
-  WriteUints pictures;   // GpuRig's layout
+  WriteUints pictures;  // GpuRig's layout
   uint seed;
   uint frame;
   float noise_sigma;  // of 255

@@ -13,26 +13,23 @@ const uint kSilhouetteWorkgroup = 64;
 READ_POINTER(ReadPairs, uint64_t)
 WRITE_POINTER(WritePairs, uint64_t)
 
-// A pixel of the background model is one word: mean B, G, R in the low three bytes; the spread, in eighths of
-// a grey level, in the high one. Sums while learning: three sums, three sums of squares a pixel.
+// A pixel of the background model is one word: mean B, G, R in the low three bytes; the spread, in eighths of a grey level, in the
+// high one. Sums while learning: three sums, three sums of squares a pixel.
 const float kSpreadStep = 0.125f;
 const uint kLearnSums = 6;
 const uint kMaxLearnFrames = 256;  // 256 · 255² still fits 32 bits
 
-// 2 grey levels: what compression and noise leave in any picture; a mean over ten frames can look steadier by
-// luck.
+// 2 grey levels: what compression and noise leave in any picture; a mean over ten frames can look steadier by luck.
 const float kMinSpread = 2.0f;
 
-// A pixel's score is how far it differs from the background, in units of what may differ by chance: linear in
-// how much of the pixel the object covers. A shadow keeps the colour and takes at most this share of the
-// brightness; a change of light adds at most that.
+// A pixel's score is how far it differs from the background, in units of what may differ by chance: linear in how much of the pixel the
+// object covers. A shadow keeps the colour and takes at most this share of the brightness; a change of light adds at most that.
 const float kDarkest = 0.6f;
 const float kBrightest = 1.2f;
 // Colour may differ by this many spreads: 3: one pixel in 90 of Gaussian noise, which the majority removes.
 const float kColourSpreads = 3.0f;
 
-// The score is kept as bits: whether it is at least 1, 2, 4, 8; a pair of words a level for each pair of the
-// mask, one behind the other.
+// The score is kept as bits: whether it is at least 1, 2, 4, 8; a pair of words a level for each pair of the mask, one behind the other.
 const uint kScoreLevels = 4;
 
 // background_add: a frame into the sums. background_finish: the sums into the model.
@@ -44,8 +41,7 @@ struct BackgroundArgs {
   uint frames;  // so far
 };
 
-// segment: one invocation a pair of mask words, to its pairs of levels. `pictures` are BGR bytes, rows
-// without padding, each camera's at a whole word.
+// segment: one invocation a pair of mask words, to its pairs of levels. `pictures` are BGR bytes, rows without padding, each camera's at a whole word.
 struct SegmentArgs {
   ReadCameras cameras;
   ReadUints pictures;
@@ -53,10 +49,9 @@ struct SegmentArgs {
   WritePairs levels;
 };
 
-// edges: the masks from the levels. A pixel is object when its score is at least 1, unless it is the smear of
-// an edge: beside background on one side, and on another beside a score of 4 or more (its own below 2) or of
-// 8 or more (its own below 4). Lenses and video coding smear an edge over some pixels, and the object ends
-// where the score has fallen to half.
+// edges: the masks from the levels. A pixel is object when its score is at least 1, unless it is the smear of an edge: beside background on one
+// side, and on another beside a score of 4 or more (its own below 2) or of 8 or more (its own below 4). Lenses and video coding smear an edge over some
+// pixels, and the object ends where the score has fallen to half.
 struct EdgeArgs {
   ReadCameras cameras;
   ReadPairs levels;
@@ -71,9 +66,8 @@ struct MajorityArgs {
 };
 
 // Connected parts by runs of pixels. A row has at most kMaxRuns of them; run i of row y of a camera is entry
-// (y · kMaxRuns + i) behind the camera's first, its label the index of the entry that it hangs on (its own at
-// a root).
-const uint kMaxRuns = 256;             // a row of noise has more: what comes behind is dropped as speckle
+// (y · kMaxRuns + i) behind the camera's first, its label the index of the entry that it hangs on (its own at a root).
+const uint kMaxRuns = 256;      // a row of noise has more: what comes behind is dropped as speckle
 const uint kBorderArea = 0x80000000u;  // flag in a root's area: the part touches the picture's border
 
 struct RunArgs {
@@ -82,11 +76,11 @@ struct RunArgs {
   ReadWriteUints run_counts;  // one a row
   ReadWriteUints runs;        // first | last << 16
   ReadWriteUints labels;
-  ReadWriteUints areas;    // at roots
-  ReadWriteUints largest;  // one a camera: the label of its largest part
+  ReadWriteUints areas;       // at roots
+  ReadWriteUints largest;     // one a camera: the label of its largest part
   WritePairs result;
   uint max_rows;
-  uint holes;  // 1: the parts are of the background, four-connected; else of the object, eight-connected
+  uint holes;       // 1: the parts are of the background, four-connected; else of the object, eight-connected
   uint largest_hole;  // pixels: smaller ones are closed
 };
 
