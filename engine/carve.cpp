@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "engine/carve.h"
 
+#include <algorithm>
+
 #include "engine/error.h"
 #include "shaders/carve_blocks.comp.h"
-#include "shaders/carve_summary.comp.h"
 #include "shaders/carve_tiles.comp.h"
-#include "shaders/carve_total.comp.h"
 #include "shaders/carve_voxels.comp.h"
 
 namespace airclay {
@@ -18,12 +18,18 @@ std::uint32_t cube(std::uint32_t x) {
   return x * x * x;
 }
 
-constexpr std::uint32_t kBlockEdges[3] = {kTopVoxels, kBrickVoxels, kBlockVoxels};
+constexpr std::uint32_t kBlockEdges[kMixedSizes] = {kTopVoxels, kBrickVoxels, kBlockVoxels};
 /// Blocks of a level that one invocation classes: all along x that a parent has, but for the topmost.
-constexpr std::uint32_t kRuns[3] = {4, 4, 2};
+constexpr std::uint32_t kRuns[kMixedSizes] = {4, 4, 2};
 
-/// 16: the 4,096 bricks of 128³ make four workgroups; the sums of a workgroup's share fit 32 bits.
-constexpr std::uint32_t kBricksPerInvocation = 16;
+/// Up to here a workgroup may be one subgroup: all 4³ blocks of 512³ would make more than the 65,535
+/// workgroups of a dispatch.
+constexpr int kFineGrainedVoxels = 256;
+
+/// Neighbours that load a camera together (load_camera.glsl's kLanes): with 8 a camera is three loads.
+std::uint32_t lanes(const Gpu& gpu) {
+  return std::min(gpu.subgroupSize(), 8u);
+}
 
 }  // namespace
 
@@ -44,28 +50,25 @@ Carver::Carver(Gpu& gpu, const GpuRig& rig, int voxels)
       rig_(rig),
       voxels_((checkVoxels(voxels), voxels)),
       bricks_edge_(ceilDivide(static_cast<std::uint32_t>(voxels), kBrickVoxels)),
-      tile_kernel_(gpu, "carve_tiles", carve_tiles_comp, {kCarveWorkgroup}),
+      workgroup_(gpu.isCpu() && voxels <= kFineGrainedVoxels ? std::min(gpu.subgroupSize(), kCarveWorkgroup)
+                                                             : kCarveWorkgroup),
+      tile_kernel_(gpu, "carve_tiles", carve_tiles_comp,
+                   {kCarveWorkgroup, rig.sameSize()[0], rig.sameSize()[1]}),
       top_blocks_(gpu, "carve_blocks_32", carve_blocks_comp,
-                  {kCarveWorkgroup, kTopVoxels, kRuns[0], rig.lensKinds()}),
+                  {workgroup_, kTopVoxels, kRuns[0], rig.lensKinds(), lanes(gpu)}),
       brick_blocks_(gpu, "carve_blocks_8", carve_blocks_comp,
-                    {kCarveWorkgroup, kBrickVoxels, kRuns[1], rig.lensKinds()}),
+                    {workgroup_, kBrickVoxels, kRuns[1], rig.lensKinds(), lanes(gpu)}),
       small_blocks_(gpu, "carve_blocks_4", carve_blocks_comp,
-                    {kCarveWorkgroup, kBlockVoxels, kRuns[2], rig.lensKinds()}),
-      voxel_kernel_(gpu, "carve_voxels", carve_voxels_comp, {kCarveWorkgroup, rig.lensKinds()}),
-      summary_kernel_(gpu, "carve_summary", carve_summary_comp, {kCarveWorkgroup}),
-      total_kernel_(gpu, "carve_total", carve_total_comp),
+                    {workgroup_, kBlockVoxels, kRuns[2], rig.lensKinds(), lanes(gpu)}),
+      voxel_kernel_(gpu, "carve_voxels", carve_voxels_comp, {workgroup_, rig.lensKinds(), lanes(gpu)}),
       tiles_(gpu, rig.tileEntries()),
       brick_states_(gpu, cube(bricks_edge_)),
-      words_(gpu, std::size_t(cube(bricks_edge_)) * kBrickWords) {
-  for (std::size_t level = 0; level < 3; ++level) {
+      words_(gpu, std::size_t(cube(bricks_edge_)) * kBrickWords),
+      mixed_counts_(gpu, kMixedSizes),
+      sums_(gpu, 1, Memory::kHost) {
+  for (std::size_t level = 0; level < kMixedSizes; ++level)
     mixed_[level] =
         Buffer<MixedBlock>(gpu, cube(ceilDivide(static_cast<std::uint32_t>(voxels), kBlockEdges[level])));
-    mixed_count_[level] = Buffer<MixedCount>(gpu, 1);
-  }
-  bricks_per_invocation_ = kBricksPerInvocation;
-  summary_groups_ = ceilDivide(cube(bricks_edge_), kCarveWorkgroup * bricks_per_invocation_);
-  partial_sums_ = Buffer<std::uint64_t>(gpu, 4 * std::size_t(summary_groups_));
-  summary_ = Buffer<HullSummary>(gpu, 1, Memory::kHost);
 }
 
 void Carver::recordBlocks(Recorder& recorder, const Kernel<CarveBlockArgs>& kernel, int level) {
@@ -75,12 +78,13 @@ void Carver::recordBlocks(Recorder& recorder, const Kernel<CarveBlockArgs>& kern
   args.tiles = tiles_;
   if (level > 0) {
     args.parents = mixed_[at - 1];
-    args.parent_count = mixed_count_[at - 1];
+    args.parent_count.address = mixed_counts_.at(at - 1).address;
   }
   args.mixed = mixed_[at];
-  args.mixed_count = mixed_count_[at];
+  args.mixed_count = mixed_counts_.at(at);
   args.brick_states = brick_states_;
   args.words = words_;
+  args.sums.address = sums_.raw().address();
   args.camera_count = rig_.cameraCount();
   args.voxels = static_cast<std::uint32_t>(voxels_);
   args.voxel_m = static_cast<float>(voxelMetres());
@@ -91,19 +95,18 @@ void Carver::recordBlocks(Recorder& recorder, const Kernel<CarveBlockArgs>& kern
   args.next_invocations = level == 2 ? 1 : cube(kBlockEdges[at] / kBlockEdges[at + 1]) / kRuns[at + 1];
   if (level == 0)
     recorder.dispatch(kernel, args,
-                      groupsFor(args.runs_edge * args.children_edge * args.children_edge, kCarveWorkgroup));
+                      groupsFor(args.runs_edge * args.children_edge * args.children_edge, workgroup_));
   else
-    recorder.dispatchIndirect(kernel, args, mixed_count_[at - 1].raw(), 0);
+    recorder.dispatchIndirect(kernel, args, mixed_counts_.raw(), (at - 1) * sizeof(MixedCount));
 }
 
 void Carver::record(Recorder& recorder, const Buffer<std::uint32_t>& masks) {
-  const MixedCount none{0, 1, 1, 0};
-  for (Buffer<MixedCount>& count : mixed_count_) recorder.update(count.raw(), &none, sizeof none);
-
   CarveTileArgs tiles{};
   tiles.cameras = rig_.cameras();
   tiles.masks.address = masks.raw().address();  // read as pairs
   tiles.tiles = tiles_;
+  tiles.mixed_counts = mixed_counts_;
+  tiles.sums.address = sums_.raw().address();
   recorder.dispatch(tile_kernel_, tiles, groupsFor(rig_.maxTileEntries(), kCarveWorkgroup),
                     rig_.cameraCount());
 
@@ -115,28 +118,23 @@ void Carver::record(Recorder& recorder, const Buffer<std::uint32_t>& masks) {
   voxel.cameras = rig_.cameras();
   voxel.masks = masks;
   voxel.blocks = mixed_[2];
-  voxel.block_count = mixed_count_[2];
+  voxel.block_count.address = mixed_counts_.at(2).address;
   voxel.words = words_;
+  voxel.sums.address = sums_.raw().address();
   voxel.voxels = static_cast<std::uint32_t>(voxels_);
   voxel.voxel_m = static_cast<float>(voxelMetres());
-  recorder.dispatchIndirect(voxel_kernel_, voxel, mixed_count_[2].raw(), 0);
+  recorder.dispatchIndirect(voxel_kernel_, voxel, mixed_counts_.raw(), 2 * sizeof(MixedCount));
+}
 
-  CarveSummaryArgs summary{};
-  summary.brick_states = brick_states_;
-  summary.words = words_;
-  summary.partial_sums = partial_sums_;
-  summary.brick_count = cube(bricks_edge_);
-  summary.bricks_edge = bricks_edge_;
-  summary.bricks_per_invocation = bricks_per_invocation_;
-  recorder.dispatch(summary_kernel_, summary, summary_groups_);
-
-  CarveTotalArgs total{};
-  total.partial_sums = partial_sums_;
-  total.summary = summary_;
-  total.partial_count = summary_groups_;
-  total.voxels = static_cast<std::uint32_t>(voxels_);
-  total.voxel_m = static_cast<float>(voxelMetres());
-  recorder.dispatch(total_kernel_, total, 1);
+HullFigures Carver::figures() const {
+  const HullSums& sums = sums_.host()[0];
+  HullFigures figures;
+  figures.occupied = sums.occupied;
+  if (sums.occupied == 0) return figures;
+  const Vec3 index_sum(double(sums.index_sums[0]), double(sums.index_sums[1]), double(sums.index_sums[2]));
+  const Vec3 index = index_sum / double(sums.occupied) + Vec3::Constant(0.5 - 0.5 * voxels_);
+  figures.centroid = rig_.rig().workspace.center + voxelMetres() * index;
+  return figures;
 }
 
 VoxelGrid Carver::download() const {

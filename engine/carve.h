@@ -31,6 +31,11 @@ struct VoxelGrid {
 /// A voxel's centre in the world.
 Vec3 voxelCenter(const Workspace& workspace, int voxels, int x, int y, int z);
 
+struct HullFigures {
+  std::size_t occupied = 0;      ///< voxels
+  Vec3 centroid = Vec3::Zero();  ///< their centre of gravity in the world; zero when there are none
+};
+
 /// Carves on the GPU. The model stays there; see carve_io.h for its layout.
 class Carver {
  public:
@@ -44,7 +49,9 @@ class Carver {
   std::uint32_t bricksEdge() const { return bricks_edge_; }
   const Buffer<std::uint32_t>& brickStates() const { return brick_states_; }
   const Buffer<std::uint32_t>& words() const { return words_; }
-  const Buffer<HullSummary>& summary() const { return summary_; }
+  const Buffer<HullSums>& sums() const { return sums_; }
+  /// Volume and centre of gravity. \pre the recorded work is done
+  HullFigures figures() const;
   /// Copies the model to the CPU. \pre the recorded work is done
   VoxelGrid download() const;
 
@@ -55,18 +62,15 @@ class Carver {
   const GpuRig& rig_;
   int voxels_;
   std::uint32_t bricks_edge_;
+  std::uint32_t workgroup_;  ///< invocations
   Kernel<CarveTileArgs> tile_kernel_;
   Kernel<CarveBlockArgs> top_blocks_, brick_blocks_, small_blocks_;
   Kernel<CarveVoxelArgs> voxel_kernel_;
-  Kernel<CarveSummaryArgs> summary_kernel_;
-  Kernel<CarveTotalArgs> total_kernel_;
   Buffer<std::uint64_t> tiles_;
   Buffer<std::uint32_t> brick_states_, words_;
-  std::array<Buffer<MixedBlock>, 3> mixed_;  ///< of 32, 8 and 4 voxels
-  std::array<Buffer<MixedCount>, 3> mixed_count_;
-  std::uint32_t summary_groups_, bricks_per_invocation_;
-  Buffer<std::uint64_t> partial_sums_;
-  Buffer<HullSummary> summary_;
+  Buffer<MixedCount> mixed_counts_;                    ///< of blocks of 32, 8 and 4 voxels
+  std::array<Buffer<MixedBlock>, kMixedSizes> mixed_;  ///< these blocks
+  Buffer<HullSums> sums_;
 };
 
 /// The reference: every voxel by itself, in double precision.
@@ -83,11 +87,7 @@ std::vector<std::uint8_t> edgeVoxels(const Rig& rig, const std::vector<Mask>& ma
 /// Float and double put a voxel's centre at most this far apart in a picture of some hundred pixels.
 inline constexpr double kEdgePixels = 0.01;
 
-/// Occupied voxels and their centre of gravity in the world, in double precision.
-struct HullFigures {
-  std::size_t occupied = 0;
-  Vec3 centroid = Vec3::Zero();
-};
+/// The figures of a grid: every voxel by itself, in double precision.
 HullFigures hullFigures(const VoxelGrid& grid, const Workspace& workspace);
 
 }  // namespace airclay

@@ -112,8 +112,8 @@ void compareBackground(Scene& scene, Comparisons& comparisons) {
 void exemptAround(std::vector<char>& exempt, const Mask& mask, std::size_t pixel) {
   // a level taken the other way shows in the neighbours, too (edges.comp)
   const int x = static_cast<int>(pixel) % mask.width, y = static_cast<int>(pixel) / mask.width;
-  for (int v = std::max(y - 1, 0); v <= std::min(y + 1, mask.height - 1); ++v)
-    for (int u = std::max(x - 1, 0); u <= std::min(x + 1, mask.width - 1); ++u)
+  for (int v = std::max(y - kSmearReach, 0); v <= std::min(y + kSmearReach, mask.height - 1); ++v)
+    for (int u = std::max(x - kSmearReach, 0); u <= std::min(x + kSmearReach, mask.width - 1); ++u)
       exempt[std::size_t(v * mask.width + u)] = 1;
 }
 
@@ -184,11 +184,10 @@ VoxelGrid compareHull(Scene& scene, Comparisons& comparisons) {
               !isEdgePoint(scene.rig, scene.masks, voxelCenter(workspace, kVoxels, x, y, z), kEdgePixels);
   comparisons.add("carve, voxels", double(different), 0);
 
-  const HullSummary& summary = scene.carver.summary().host()[0];
-  const HullFigures figures = hullFigures(carved, workspace);
-  comparisons.add("hull volume, voxels", std::abs(double(summary.occupied) - double(figures.occupied)), 0);
-  const Vec3 centroid = workspace.center + summary.gravity_center.cast<double>();
-  comparisons.add("hull centroid, edges", (centroid - figures.centroid).norm() / workspace.edge_m, 1e-6);
+  const HullFigures counted = scene.carver.figures(), figures = hullFigures(carved, workspace);
+  comparisons.add("hull volume, voxels", std::abs(double(counted.occupied) - double(figures.occupied)), 0);
+  comparisons.add("hull centroid, edges", (counted.centroid - figures.centroid).norm() / workspace.edge_m,
+                  1e-12);
   return carved;
 }
 
@@ -254,7 +253,7 @@ void compareChoice(Scene& scene, Comparisons& comparisons) {
     const Buffer<GpuFit> fits(scene.gpu, hypotheses);
     FitChooseArgs args{};
     args.fits = fits;
-    args.summary = scene.carver.summary();
+    args.hull = scene.carver.sums();
     args.result = result;
     args.count = static_cast<std::uint32_t>(hypotheses.size());
     args.min_occupied = 1;

@@ -97,13 +97,13 @@ HandTracker::HandTracker(Gpu& gpu, const GpuRig& rig, const HandModel& hand, con
 }
 
 bool HandTracker::isEmpty() const {
-  return carver_.summary().host()[0].occupied < min_occupied_;
+  return carver_.figures().occupied < min_occupied_;
 }
 
 FitChooseArgs HandTracker::chooseArgs(std::uint32_t count, double cell_m) const {
   FitChooseArgs args{};
   args.fits = fits_;
-  args.summary = carver_.summary();
+  args.hull = carver_.sums();
   args.result = result_;
   args.count = count;
   args.min_occupied = min_occupied_;

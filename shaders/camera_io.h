@@ -15,7 +15,7 @@ const uint kLensFisheye = 3;
 
 // Masks hold one bit a pixel, 32 pixels a word, the lowest bit leftmost; a row is a whole number of word pairs, and bits behind the
 // picture's right edge are 0.
-// Kernels read it by loadCamera() of lens.glsl, two words at a time: on lavapipe a load costs the same for one word and for two.
+// load_camera.glsl reads it two words at a time: on lavapipe a load costs the same for one word and for two.
 struct GpuCamera {
   mat3 rotation;     // camera_from_workspace; the workspace's frame is the world's, moved to the cube's centre
   vec3 translation;  // metres

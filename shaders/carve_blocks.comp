@@ -1,11 +1,14 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// Coarse to fine: one invocation classes a run of blocks as empty, full or mixed, by what every camera says of where they project to. A camera is
-// loaded once for the run: its twenty loads cost more than a verdict.
+// Coarse to fine: one invocation classes a run of blocks as empty, full or mixed, by what every camera says of where they project to.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/camera_io.h"
 layout(constant_id = 3) const uint kLenses = 15;
+layout(constant_id = 4) const uint kLanes = 1;
 #include "shaders/lens.glsl"
+#include "shaders/load_camera.glsl"
+#include "shaders/footprint.glsl"
+#include "shaders/hull_sums.glsl"
 #include "shaders/occupancy.glsl"
 
 layout(local_size_x_id = 0) in;
@@ -15,48 +18,16 @@ layout(push_constant, scalar) uniform Push { CarveBlockArgs args; };
 
 const uint kLongestRun = 4;
 
-// What a camera says of a block as a whole.
-const uint kUnseen = 0;     // no voxel of it is seen
-const uint kOutside = 1;    // all is seen, nothing in the silhouette
-const uint kInside = 2;     // all is seen, all in the silhouette
+// What a camera says of a block's voxels.
+const uint kNothing = 0;  // it sees none
+const uint kOutside = 1;  // it sees all, none in the silhouette
+const uint kInside = 2;   // all in the silhouette
 const uint kUndecided = 3;
 
-// `center` in camera coordinates; the block's voxel centres lie within `half_size` of it along each axis of the workspace (metres).
-uint verdict(GpuCamera camera, vec3 center, float half_size) {
-  const mat3 axes = camera.rotation;  // of the workspace, in camera coordinates
-  const float depth = half_size * (abs(axes[0].z) + abs(axes[1].z) + abs(axes[2].z));
-  if (center.z <= -depth) return kUnseen;
-  if (center.z <= depth) return kUndecided;
-
-  // How far from the centre's direction the others lie, as a change of the undistorted position, and with it of the pixel.
-  float position, deviation;
-  vec2 reach;
-  if (rigHas(kLensFisheye) && camera.lens == kLensFisheye) {
-    position = atan(length(center.xy), center.z);
-    deviation = asin(min(half_size * 1.7320508 / length(center), 1.0));
-    reach = camera.focal * (camera.steepness * deviation);
-  } else {
-    // (x + δx) / (z + δz) - x / z = (δx - x/z δz) / (z + δz), with δ = Σ e_k axes[k] and |e_k| <= half_size
-    const vec2 x = center.xy / center.z;
-    const vec2 across = (abs(axes[0].xy - x * axes[0].z) + abs(axes[1].xy - x * axes[1].z) + abs(axes[2].xy - x * axes[2].z)) *
-                        (half_size / (center.z - depth));
-    position = length(x);
-    deviation = length(across);
-    reach = camera.focal * (camera.steepness * across + camera.cross_steepness * across.yx);
-  }
-  if (position - deviation > camera.visible) return kUnseen;
-  if (position + deviation > min(camera.limit, 1.1 * camera.visible)) return kUndecided;
-
-  const vec2 pixel = projectThroughLens(camera, center).pixel;
-  reach += 0.01;  // float's rounding, generously
-  const vec2 low = pixel - reach, high = pixel + reach;
-  const vec2 size = vec2(camera.width, camera.height);
-  if (any(lessThan(high, vec2(-0.5))) || any(greaterThanEqual(low, size - 0.5))) return kUnseen;
-  const bool whole = all(greaterThanEqual(low, vec2(-0.5))) && all(lessThan(high, size - 0.5));
-  if (!whole) return kUndecided;
-
+uint verdict(GpuCamera camera, Footprint footprint) {
+  if (footprint.seen != kWholeSeen) return footprint.seen == kUnseen ? kNothing : kUndecided;
   // any and all over the rectangle's tiles
-  const uvec2 first = uvec2(floor(low + 0.5)) / kTilePixels, last = uvec2(floor(high + 0.5)) / kTilePixels;
+  const uvec2 first = pixelAt(footprint.low) / kTilePixels, last = pixelAt(footprint.high) / kTilePixels;
   uint any_set = 0, any_clear = 0;
   for (uint y = first.y; y <= last.y; ++y)
     for (uint entry = first.x / kEntryTiles; entry <= last.x / kEntryTiles; ++entry) {
@@ -96,7 +67,7 @@ void append(uvec3 corner, uint undecided, uint seen) {
   }
   const uint slot = atomicAdd(args.mixed_count.at[0].count, 1);
   const uint invocations = (slot + 1) * args.next_invocations;
-  atomicMax(args.mixed_count.at[0].groups_x, (invocations + kCarveWorkgroup - 1) / kCarveWorkgroup);
+  atomicMax(args.mixed_count.at[0].groups_x, (invocations + gl_WorkGroupSize.x - 1) / gl_WorkGroupSize.x);
   args.mixed.at[slot] = MixedBlock(corner.x | corner.y << 10 | corner.z << 20, undecided, seen);
 }
 
@@ -105,14 +76,13 @@ void main() {
   const uint parent_index = gl_GlobalInvocationID.x / runs;
   const uint run = gl_GlobalInvocationID.x % runs;
   const bool top = kSize == kTopVoxels;
-  if (parent_index >= (top ? 1 : args.parent_count.at[0].count)) return;
+  const bool idle = parent_index >= (top ? 1 : args.parent_count.at[0].count);  // but it helps to load cameras
 
-  MixedBlock block;
+  MixedBlock block = MixedBlock(0, 0, 0);
   uvec3 parent_corner = uvec3(0);
-  if (top) {
+  if (top && !idle) {
     block.cameras = args.camera_count == 32 ? ~0u : (1u << args.camera_count) - 1;
-    block.seen = 0;
-  } else {
+  } else if (!idle) {
     block = args.parents.at[parent_index];
     parent_corner = uvec3(block.low_corner, block.low_corner >> 10, block.low_corner >> 20) & 1023u;
   }
@@ -129,19 +99,22 @@ void main() {
     seen[i] = block.seen;
     empty[i] = false;
   }
-  for (uint cameras = block.cameras; cameras != 0; cameras &= cameras - 1) {
+  for (uint cameras = subgroupOr(block.cameras); cameras != 0; cameras &= cameras - 1) {
     const uint index = findLSB(cameras);
     const GpuCamera camera = loadCamera(args.cameras, index);
     const vec3 origin = camera.rotation * center + camera.translation;
     const vec3 step = camera.rotation[0] * (args.voxel_m * float(kSize));
     for (uint i = 0; i < kRun; ++i) {
-      const uint says = verdict(camera, origin + float(i) * step, half_size);
-      empty[i] = empty[i] || says == kOutside;
+      if (empty[i] || (block.cameras >> index & 1u) == 0) continue;
+      const uint says = verdict(camera, footprintOf(camera, origin + float(i) * step, half_size));
+      empty[i] = says == kOutside;
       seen[i] += says == kInside ? 1 : 0;
       undecided[i] |= says == kUndecided ? 1u << index : 0;
     }
   }
 
+  if (idle) return;
+  uvec4 share = uvec4(0);
   for (uint i = 0; i < kRun; ++i) {
     const uvec3 mine = corner + uvec3(i, 0, 0);
     const uvec3 low_voxel = mine * kSize;
@@ -153,7 +126,10 @@ void main() {
     // whatever the undecided ones find, fewer than two cameras will see it
     const bool none = empty[i] || seen[i] + bitCount(undecided[i]) < 2;
     const bool cut = any(greaterThan(low_voxel + kSize, uvec3(args.voxels)));
-    if (none || (undecided[i] == 0 && !cut)) writeUniform(mine, !none);
+    const bool full = !none && !cut && undecided[i] == 0;
+    if (none || full) writeUniform(mine, full);
     else append(mine, undecided[i], seen[i]);
+    if (full) share += fullShare(low_voxel, kSize);
   }
+  addToSums(args.sums, share);
 }

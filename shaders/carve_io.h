@@ -30,7 +30,9 @@ struct MixedBlock {
 READ_POINTER(ReadMixedBlocks, MixedBlock)
 WRITE_POINTER(WriteMixedBlocks, MixedBlock)
 
-// How many mixed blocks there are, and the dispatch that treats their children.
+// How many mixed blocks there are, and the dispatch that treats their children; one for each size of blocks, 32, 8 and 4.
+const uint kMixedSizes = 3;
+
 struct MixedCount {
   uint groups_x;
   uint groups_y;
@@ -39,27 +41,29 @@ struct MixedCount {
 };
 
 READ_POINTER(ReadMixedCounts, MixedCount)
+WRITE_POINTER(WriteMixedCounts, MixedCount)
 READ_WRITE_POINTER(ReadWriteMixedCounts, MixedCount)
 
-// Volume and centre of gravity, from integers: exact.
-struct HullSummary {
-  uint occupied;   // voxels
-  uint pad;
-  vec3 gravity_center;  // metres, from the workspace's centre; 0 when nothing is occupied
+// Volume and centre of gravity in whole numbers, so that the order in which blocks add to them does not matter (hull_sums.glsl).
+struct HullSums {
+  uint64_t occupied;       // voxels
+  uint64_t index_sums[3];  // of x, y, z over them
 };
 
-READ_POINTER(ReadHullSummaries, HullSummary)
-WRITE_POINTER(WriteHullSummaries, HullSummary)
+READ_POINTER(ReadHullSums, HullSums)
+
+const uint kHullSumWords = 8;  // kernels add words: of each number first the low one
 
 READ_POINTER(ReadUlongs, uint64_t)
 WRITE_POINTER(WriteUlongs, uint64_t)
 READ_WRITE_POINTER(ReadWriteUlongs, uint64_t)
 
-// Workgroup size of all but the summary's second step.
+// Workgroup size, at most: a software device takes one subgroup, so that its threads can share few blocks evenly.
 const uint kCarveWorkgroup = 64;
 
 // carve_tiles: for each tile of 4 x 4 pixels of each mask whether any, and whether all of its pixels are set. An entry is 32 tiles of a row: `any` in
 // its low word, `all` in its high one. A block's rectangle is then a few loads; summed-area tables would cost more to build than they save.
+// Being the first kernel of a model, it clears what the others count.
 const uint kTilePixels = 4;
 const uint kEntryTiles = 32;
 
@@ -67,6 +71,8 @@ struct CarveTileArgs {
   ReadCameras cameras;
   ReadUlongs masks;  // two words at a time
   WriteUlongs tiles;
+  WriteMixedCounts mixed_counts;
+  WriteUints sums;
 };
 
 // carve_blocks: classes the children of mixed blocks, a run of children along x an invocation.
@@ -80,6 +86,7 @@ struct CarveBlockArgs {
   ReadWriteMixedCounts mixed_count;
   WriteUints brick_states;
   WriteUints words;
+  ReadWriteUints sums;  // HullSums
   uint camera_count;
   uint voxels;          // N
   float voxel_m;
@@ -95,24 +102,7 @@ struct CarveVoxelArgs {
   ReadMixedBlocks blocks;
   ReadMixedCounts block_count;
   WriteUints words;
-  uint voxels;
-  float voxel_m;
-};
-
-// carve_summary: partial sums of voxel counts and indices (count, x, y, z) a workgroup; carve_total: their sum.
-struct CarveSummaryArgs {
-  ReadUints brick_states;
-  ReadUints words;
-  WriteUlongs partial_sums;
-  uint brick_count;
-  uint bricks_edge;
-  uint bricks_per_invocation;
-};
-
-struct CarveTotalArgs {
-  ReadUlongs partial_sums;
-  WriteHullSummaries summary;
-  uint partial_count;
+  ReadWriteUints sums;  // HullSums
   uint voxels;
   float voxel_m;
 };

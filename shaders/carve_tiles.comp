@@ -3,6 +3,7 @@
 // Any and all over tiles of the masks: one invocation 32 tiles of a row, that is 128 x 4 pixels.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/carve_io.h"
+#include "shaders/picture.glsl"
 
 layout(local_size_x_id = 0) in;
 layout(push_constant, scalar) uniform Push { CarveTileArgs args; };
@@ -18,15 +19,17 @@ uint fours(uint64_t bits) {
 }
 
 void main() {
-  const uint index = gl_WorkGroupID.y;
-  const uint row_pairs = args.cameras.at[index].row_words / 2;
-  const uint entries = args.cameras.at[index].tile_entries, height = args.cameras.at[index].height;
+  if (gl_WorkGroupID.y == 0 && gl_GlobalInvocationID.x < kHullSumWords) {
+    args.sums.at[gl_GlobalInvocationID.x] = 0;
+    if (gl_GlobalInvocationID.x < kMixedSizes) args.mixed_counts.at[gl_GlobalInvocationID.x] = MixedCount(0, 1, 1, 0);
+  }
+  const Picture camera = pictureOf(args.cameras, gl_WorkGroupID.y);
+  const uint row_pairs = camera.row_words / 2, entries = (row_pairs + 1) / 2;
   const uint row = gl_GlobalInvocationID.x / entries, entry = gl_GlobalInvocationID.x % entries;
-  if (row * kTilePixels >= height) return;
+  if (row * kTilePixels >= camera.height) return;
 
-  const uint mask = args.cameras.at[index].mask_words / 2;
-  const uint width = args.cameras.at[index].width;
-  const uint end = min((row + 1) * kTilePixels, height);
+  const uint mask = camera.mask_words / 2;
+  const uint end = min((row + 1) * kTilePixels, camera.height);
   uint any_tiles = 0, all_tiles = 0;
   for (uint k = 0; k < 2; ++k) {
     const uint pair = 2 * entry + k;
@@ -38,11 +41,11 @@ void main() {
         all_bits &= word;
       }
       // pixels behind the right edge do not exist: they keep no tile from being all set
-      const uint pixels = 64 * pair < width ? width - 64 * pair : 0;
+      const uint pixels = 64 * pair < camera.width ? camera.width - 64 * pair : 0;
       if (pixels < 64) all_bits |= ~0ul << pixels;
     }
     any_tiles |= (~fours(~any_bits) & 0xFFFFu) << (16 * k);
     all_tiles |= fours(all_bits) << (16 * k);
   }
-  args.tiles.at[args.cameras.at[index].first_entry + row * entries + entry] = packUint2x32(uvec2(any_tiles, all_tiles));
+  args.tiles.at[camera.first_entry + row * entries + entry] = packUint2x32(uvec2(any_tiles, all_tiles));
 }

@@ -56,7 +56,7 @@ struct FitArgs {
 // fit_choose: the best of the hypotheses becomes the frame's result, and whether it is to be believed.
 struct FitChooseArgs {
   ReadFits fits;
-  ReadHullSummaries summary;
+  ReadHullSums hull;
   WriteFits result;
   uint count;
   uint min_occupied;    // voxels: less is nobody's hand

@@ -6,43 +6,6 @@
 
 #include "shaders/camera_io.h"
 
-READ_POINTER(ReadCameraWords, uint64_t)
-
-vec2 pairAt(ReadCameraWords words, uint index) { return uintBitsToFloat(unpackUint2x32(words.at[index])); }
-
-// A camera by loads of two words. The order is GpuCamera's.
-GpuCamera loadCamera(ReadCameras cameras, uint index) {
-  ReadCameraWords words = ReadCameraWords(uint64_t(cameras) + 152ul * index);
-  GpuCamera camera;
-  const vec2 r0 = pairAt(words, 0), r1 = pairAt(words, 1), r2 = pairAt(words, 2), r3 = pairAt(words, 3),
-             r4 = pairAt(words, 4), r5 = pairAt(words, 5);
-  camera.rotation = mat3(r0.x, r0.y, r1.x, r1.y, r2.x, r2.y, r3.x, r3.y, r4.x);
-  camera.translation = vec3(r4.y, r5);
-  camera.focal = pairAt(words, 6);
-  camera.center = pairAt(words, 7);
-  for (uint i = 0; i < 4; ++i) {
-    const vec2 pair = pairAt(words, 8 + i);
-    camera.distortion[2 * i] = pair.x;
-    camera.distortion[2 * i + 1] = pair.y;
-  }
-  const vec2 range = pairAt(words, 12), steep = pairAt(words, 13);
-  camera.limit = range.x;
-  camera.visible = range.y;
-  camera.steepness = steep.x;
-  camera.cross_steepness = steep.y;
-  const uvec2 size = unpackUint2x32(words.at[14]), kind = unpackUint2x32(words.at[15]), rows = unpackUint2x32(words.at[16]),
-              masks = unpackUint2x32(words.at[17]);
-  camera.width = size.x;
-  camera.height = size.y;
-  camera.lens = kind.x;
-  camera.tile_entries = kind.y;
-  camera.first_entry = rows.x;
-  camera.row_words = rows.y;
-  camera.mask_words = masks.x;
-  camera.picture_words = masks.y;
-  return camera;
-}
-
 bool rigHas(uint lens) { return (kLenses >> lens & 1u) != 0; }
 
 struct Projection {

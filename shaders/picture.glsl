@@ -12,6 +12,7 @@ struct Picture {
   uint mask_words;     // words before the mask
   uint picture_words;  // words before the picture
   uint pixels_before;
+  uint first_entry;    // tiles' entries before its own
 };
 
 Picture pictureOf(ReadCameras cameras, uint index) {
@@ -23,6 +24,7 @@ Picture pictureOf(ReadCameras cameras, uint index) {
     picture.mask_words = index * picture.row_words * kSameHeight;
     picture.picture_words = index * ((3 * kSameWidth * kSameHeight + 7) / 8 * 2);
     picture.pixels_before = index * kSameWidth * kSameHeight;
+    picture.first_entry = index * ((kSameWidth + 127) / 128) * ((kSameHeight + 3) / 4);
   } else {
     picture.width = cameras.at[index].width;
     picture.height = cameras.at[index].height;
@@ -30,6 +32,7 @@ Picture pictureOf(ReadCameras cameras, uint index) {
     picture.mask_words = cameras.at[index].mask_words;
     picture.picture_words = cameras.at[index].picture_words;
     picture.pixels_before = cameras.at[index].pixels_before;
+    picture.first_entry = cameras.at[index].first_entry;
   }
   return picture;
 }

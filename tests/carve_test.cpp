@@ -8,7 +8,7 @@
 namespace airclay {
 namespace {
 
-VoxelGrid carve(const Rig& rig, const std::vector<Mask>& masks, int voxels, HullSummary* summary = nullptr) {
+VoxelGrid carve(const Rig& rig, const std::vector<Mask>& masks, int voxels, HullFigures* counted = nullptr) {
   Gpu& gpu = testGpu();
   const GpuRig gpu_rig(gpu, rig);
   Buffer<std::uint32_t> packed(gpu, gpu_rig.maskWords(), Memory::kHost);
@@ -23,7 +23,7 @@ VoxelGrid carve(const Rig& rig, const std::vector<Mask>& masks, int voxels, Hull
     recorder.submitAndWait();
   }
   EXPECT_TRUE(hazards(recorder.commands()).empty());
-  if (summary) *summary = carver.summary().host()[0];
+  if (counted) *counted = carver.figures();
   return carver.download();
 }
 
@@ -56,8 +56,8 @@ TEST(Carve, ASphereIsInsideItsHullAndTheHullIsTight) {
   const Rig rig = ringRig(8, 640, 480);
   const Vec3 center(0.05, -0.03, 0.02);
   const double radius_m = 0.09;
-  HullSummary summary;
-  const VoxelGrid grid = carve(rig, sphereMasks(rig, center, radius_m), 128, &summary);
+  HullFigures counted;
+  const VoxelGrid grid = carve(rig, sphereMasks(rig, center, radius_m), 128, &counted);
   const double voxel_m = rig.workspace.edge_m / 128;
   std::size_t index = 0;
   for (int z = 0; z < 128; ++z)
@@ -74,8 +74,8 @@ TEST(Carve, ASphereIsInsideItsHullAndTheHullIsTight) {
         }
       }
   const HullFigures figures = hullFigures(grid, rig.workspace);
-  EXPECT_EQ(summary.occupied, figures.occupied);
-  EXPECT_LT((summary.gravity_center.cast<double>() - figures.centroid).norm(), 1e-6);
+  EXPECT_EQ(counted.occupied, figures.occupied);
+  EXPECT_LT((counted.centroid - figures.centroid).norm(), 1e-12);
   EXPECT_LT((figures.centroid - center).norm(), 3 * voxel_m);
   const double volume = double(figures.occupied) * voxel_m * voxel_m * voxel_m;
   const double sphere = 4.0 / 3 * M_PI * radius_m * radius_m * radius_m;
@@ -88,14 +88,24 @@ TEST(Carve, AHullThatFillsTheCubeIsFull) {
   std::vector<Mask> masks = sphereMasks(rig, Vec3::Zero(), 10);
   for (Mask& mask : masks) std::fill(mask.pixels.begin(), mask.pixels.end(), 255);
   expectEqual(rig, masks, 64);
+  // the sums of so many indices pass 32 bits
+  for (const int voxels : {256, 512}) {
+    SCOPED_TRACE(voxels);
+    HullFigures counted;
+    const VoxelGrid grid = carve(rig, masks, voxels, &counted);
+    const HullFigures figures = hullFigures(grid, rig.workspace);
+    EXPECT_GT(counted.occupied, std::pow(voxels, 3) / 2);
+    EXPECT_EQ(counted.occupied, figures.occupied);
+    EXPECT_LT((counted.centroid - figures.centroid).norm(), 1e-12);
+  }
 }
 
 TEST(Carve, EmptyMasksGiveNothing) {
   const Rig rig = ringRig(4);
   std::vector<Mask> masks = sphereMasks(rig, Vec3(10, 10, 10), 0.01);
-  HullSummary summary;
-  const VoxelGrid grid = carve(rig, masks, 64, &summary);
-  EXPECT_EQ(summary.occupied, hullFigures(grid, rig.workspace).occupied);
+  HullFigures counted;
+  const VoxelGrid grid = carve(rig, masks, 64, &counted);
+  EXPECT_EQ(counted.occupied, hullFigures(grid, rig.workspace).occupied);
   expectEqual(rig, masks, 64);
 }
 

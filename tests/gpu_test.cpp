@@ -10,7 +10,6 @@
 #include "engine/gpu/recorder.h"
 #include "engine/silhouette.h"
 #include "shaders/carve_tiles.comp.h"
-#include "shaders/carve_total.comp.h"
 #include "shaders/carve_voxels.comp.h"
 #include "shaders/distance_lines.comp.h"
 #include "shaders/distance_rows.comp.h"
@@ -48,16 +47,19 @@ void expectInterface(std::span<const std::uint32_t> spirv, std::size_t last,
 #define AIRCLAY_END_OF(Args, member) (offsetof(Args, member) + sizeof(Args::member))
 
 TEST(ShaderInterface, OffsetsAndUsesAreTheArgumentsOfCpp) {
-  expectInterface(carve_tiles_comp, AIRCLAY_END_OF(CarveTileArgs, tiles),
+  expectInterface(carve_tiles_comp, AIRCLAY_END_OF(CarveTileArgs, sums),
                   {{offsetof(CarveTileArgs, cameras), kReads},
                    {offsetof(CarveTileArgs, masks), kReads},
-                   {offsetof(CarveTileArgs, tiles), kWrites}});
+                   {offsetof(CarveTileArgs, tiles), kWrites},
+                   {offsetof(CarveTileArgs, mixed_counts), kWrites},
+                   {offsetof(CarveTileArgs, sums), kWrites}});
   expectInterface(carve_voxels_comp, AIRCLAY_END_OF(CarveVoxelArgs, voxel_m),
                   {{offsetof(CarveVoxelArgs, cameras), kReads},
                    {offsetof(CarveVoxelArgs, masks), kReads},
                    {offsetof(CarveVoxelArgs, blocks), kReads},
                    {offsetof(CarveVoxelArgs, block_count), kReads},
-                   {offsetof(CarveVoxelArgs, words), kWrites}});
+                   {offsetof(CarveVoxelArgs, words), kWrites},
+                   {offsetof(CarveVoxelArgs, sums), kReadsAndWrites}});
   // FieldPlace, a struct with an array, stands between the pointers and the last member
   expectInterface(distance_rows_comp, AIRCLAY_END_OF(DistanceRowArgs, voxels),
                   {{offsetof(DistanceRowArgs, brick_states), kReads},
@@ -73,7 +75,7 @@ TEST(ShaderInterface, OffsetsAndUsesAreTheArgumentsOfCpp) {
                    {offsetof(FitArgs, fits), kReadsAndWrites}});
   expectInterface(fit_choose_comp, AIRCLAY_END_OF(FitChooseArgs, lost_outside_m),
                   {{offsetof(FitChooseArgs, fits), kReads},
-                   {offsetof(FitChooseArgs, summary), kReads},
+                   {offsetof(FitChooseArgs, hull), kReads},
                    {offsetof(FitChooseArgs, result), kWrites}});
 }
 
@@ -219,10 +221,10 @@ TEST(Recorder, APointerIntoNoLiveBufferIsRefused) {
   Gpu& gpu = testGpu();
   Kernel<FitChooseArgs> kernel(gpu, "fit_choose", fit_choose_comp);
   const Buffer<GpuFit> fits(gpu, 2), result(gpu, 1);
-  const Buffer<HullSummary> summary(gpu, 1);
+  const Buffer<HullSums> hull(gpu, 1);
   FitChooseArgs args{};
   args.fits = fits;
-  args.summary = summary;
+  args.hull = hull;
   args.result = result;
   args.count = 1;
   Recorder recorder(gpu);
@@ -283,7 +285,7 @@ std::vector<RecordedCommand> frameCommands() {
   fitter.record(recorder, field, grid, fits, 1, {});
   FitChooseArgs args{};
   args.fits = fits;
-  args.summary = carver.summary();
+  args.hull = carver.sums();
   args.result = result;
   args.count = 1;
   recorder.dispatch(choose, args, 1);
@@ -330,10 +332,7 @@ TEST(Recorder, AMissingDeclarationInAFrameIsFound) {
       {"majority", 1},          // what it reads
       {"carve_tiles", 1},       // masks
       {"carve_tiles", 2},       // tiles
-      {"carve_blocks_32", 1},   // tiles
       {"carve_voxels", 4},      // words
-      {"carve_summary", 2},     // partial sums
-      {"carve_total", 0},       // partial sums
       {"distance_rows", 2},     // squares
       {"distance_lines_y", 0},  // squares
       {"distance_lines_y", 1},  // the next squares
@@ -454,16 +453,16 @@ TEST(Buffer, LiveBuffersAreKnownByTheirAddresses) {
 
 TEST(Buffer, AKernelThatWritesPastTheEndIsNoticed) {
   Gpu& gpu = testGpu();
-  // a summary is 20 bytes; the kernel is given 8
-  const Kernel<CarveTotalArgs> kernel(gpu, "carve_total", carve_total_comp);
-  const Buffer<std::uint64_t> partial_sums(gpu, 4);
+  // a fit is 52 bytes; the kernel is given 8
+  const Kernel<FitChooseArgs> kernel(gpu, "fit_choose", fit_choose_comp);
+  const Buffer<GpuFit> fits(gpu, 1);
+  const Buffer<HullSums> hull(gpu, 1);
   Buffer<std::uint32_t> small(gpu, 2, Memory::kHost);
-  CarveTotalArgs args{};
-  args.partial_sums = partial_sums;
-  args.summary.address = small.raw().address();
-  args.partial_count = 1;
-  args.voxels = 32;
-  args.voxel_m = 0.01f;
+  FitChooseArgs args{};
+  args.fits = fits;
+  args.hull = hull;
+  args.result.address = small.raw().address();
+  args.count = 1;
   Recorder recorder(gpu);
   recorder.begin();
   recorder.dispatch(kernel, args, 1);

@@ -115,10 +115,10 @@ DeviceInfo describe(VkPhysicalDevice device) {
   for (const RequiredFeature& required : kRequired)
     if (!required.flag(features)) info.missing.push_back(required.name);
   constexpr VkSubgroupFeatureFlags operations =
-      VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_ARITHMETIC_BIT;
+      VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_ARITHMETIC_BIT | VK_SUBGROUP_FEATURE_BALLOT_BIT;
   if ((subgroup.supportedOperations & operations) != operations ||
       !(subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT))
-    info.missing.push_back("subgroup arithmetic in compute shaders");
+    info.missing.push_back("subgroup arithmetic and ballots in compute shaders");
   if (computeAndGraphicsFamily(device) < 0)
     info.missing.push_back("a queue for compute and graphics with timestamps");
   return info;
