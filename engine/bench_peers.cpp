@@ -183,6 +183,27 @@ Box boxAround(const std::vector<int>& part, int width, int height) {
           std::min(box.y1 + 1, height - 1)};
 }
 
+/// Whether an object's pixel is the smear of an edge (EdgeArgs in silhouette_io.h).
+bool isSmear(const std::vector<std::int8_t>& octaves, int width, int height, int x, int y) {
+  const int i = y * width + x, own = octaves[std::size_t(i)];
+  if (own >= 2) return false;
+  constexpr std::array<std::array<int, 2>, 4> kAxes{{{1, 0}, {0, 1}, {1, 1}, {-1, 1}}};
+  for (const auto& [dx, dy] : kAxes) {
+    std::array<int, 2> highest{-1, -1}, lowest{own, own};  // on either side
+    for (int step = 1; step <= kSmearReach; ++step)
+      for (const int side : {0, 1}) {
+        const int u = x + (side ? -step : step) * dx, v = y + (side ? -step : step) * dy;
+        if (u < 0 || v < 0 || u >= width || v >= height) continue;
+        const int other = octaves[std::size_t(v * width + u)];
+        highest[std::size_t(side)] = std::max(highest[std::size_t(side)], other);
+        lowest[std::size_t(side)] = std::min(lowest[std::size_t(side)], other);
+      }
+    for (const std::size_t side : {0, 1})
+      if (lowest[side] < 0 && highest[1 - side] >= own + 2) return true;
+  }
+  return false;
+}
+
 void majorityOf(const std::vector<std::uint8_t>& from, int width, int height, std::vector<std::uint8_t>& to) {
   std::vector<std::uint8_t> columns(std::size_t(width) + 2);  // sums of three rows, a zero at either end
   for (int y = 0; y < height; ++y) {
@@ -225,17 +246,8 @@ void SilhouetteLoop::segment(std::size_t camera, std::span<const std::uint8_t> b
   // few pixels are object: only they look around
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
-      const int i = y * width + x, own = s.octaves[std::size_t(i)];
-      int highest = own, lowest = own;
-      if (own >= 0)
-        for (int v = std::max(y - 1, 0); v <= std::min(y + 1, height - 1); ++v)
-          for (int u = std::max(x - 1, 0); u <= std::min(x + 1, width - 1); ++u) {
-            const int other = s.octaves[std::size_t(v * width + u)];
-            highest = std::max(highest, other);
-            lowest = std::min(lowest, other);
-          }
-      const bool object = own >= 0 && !(lowest < 0 && highest >= own + 2);
-      s.segmented[std::size_t(i)] = object;
+      const std::size_t i = std::size_t(y * width + x);
+      s.segmented[i] = s.octaves[i] >= 0 && !isSmear(s.octaves, width, height, x, y);
     }
   majorityOf(s.segmented, width, height, s.majority);
 

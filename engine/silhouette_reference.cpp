@@ -71,16 +71,21 @@ Mask edgesReference(int width, int height, const std::vector<double>& scores) {
   const auto octave = [](double score) {
     return score >= 8 ? 3 : score >= 4 ? 2 : score >= 2 ? 1 : score >= 1 ? 0 : -1;
   };
+  const auto inside = [&](int u, int v) { return u >= 0 && v >= 0 && u < width && v < height; };
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const int own = octave(scores[std::size_t(y * width + x)]);
-      int highest = own, lowest = own;
-      for (int v = std::max(y - 1, 0); v <= std::min(y + 1, height - 1); ++v)
-        for (int u = std::max(x - 1, 0); u <= std::min(x + 1, width - 1); ++u) {
-          highest = std::max(highest, octave(scores[std::size_t(v * width + u)]));
-          lowest = std::min(lowest, octave(scores[std::size_t(v * width + u)]));
+      bool smear = false;
+      for (int dy = -1; dy <= 1; ++dy)
+        for (int dx = -1; dx <= 1; ++dx) {
+          int highest = -1, lowest = own;  // to that side; to the opposite one
+          for (int step = 1; step <= kSmearReach; ++step) {
+            const int u = x + step * dx, v = y + step * dy, u2 = x - step * dx, v2 = y - step * dy;
+            if (inside(u, v)) highest = std::max(highest, octave(scores[std::size_t(v * width + u)]));
+            if (inside(u2, v2)) lowest = std::min(lowest, octave(scores[std::size_t(v2 * width + u2)]));
+          }
+          smear = smear || (lowest < 0 && highest >= own + 2);
         }
-      const bool smear = lowest < 0 && highest >= own + 2;
       mask.pixels[std::size_t(y * width + x)] = own >= 0 && !smear ? 255 : 0;
     }
   return mask;

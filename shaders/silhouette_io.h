@@ -19,8 +19,9 @@ const float kSpreadStep = 0.125f;
 const uint kLearnSums = 6;
 const uint kMaxLearnFrames = 256;  // 256 · 255² still fits 32 bits
 
-// 2 grey levels: what compression and noise leave in any picture; a mean over ten frames can look steadier by luck.
-const float kMinSpread = 2.0f;
+// 2.5 grey levels: the noise of an ordinary camera indoors. H.264 smooths it away and repeats an empty picture unchanged, so that the spread
+// learned is 0; then it codes anew what the hand passes, with errors as large as the noise was.
+const float kMinSpread = 2.5f;
 
 // A pixel's score is how far it differs from the background, in units of what may differ by chance: linear in how much of the pixel the
 // object covers. A shadow keeps the colour and takes at most this share of the brightness; a change of light adds at most that.
@@ -49,9 +50,12 @@ struct SegmentArgs {
   WritePairs levels;
 };
 
-// edges: the masks from the levels. A pixel is object when its score is at least 1, unless it is the smear of an edge: beside background on one
-// side, and on another beside a score of 4 or more (its own below 2) or of 8 or more (its own below 4). Lenses and video coding smear an edge over some
-// pixels, and the object ends where the score has fallen to half.
+// How far an edge is smeared: 2 pixels. Video has one sample of colour for 2 x 2 pixels, and its coding blurs that.
+const int kSmearReach = 2;
+
+// edges: the masks from the levels. A pixel is object when its score is at least 1, unless it is the smear of an edge: along a row, a column or a
+// diagonal there is background on one side, and on the other a score of 4 or more (its own below 2) or of 8 or more (its own below 4): the
+// object ends where the score has fallen to half. Opposite sides, or every pinhole in an object of little contrast would wear it away.
 struct EdgeArgs {
   ReadCameras cameras;
   ReadPairs levels;
