@@ -65,6 +65,7 @@ void addTrack(CLI::App& program, int& status);
 void addHull(CLI::App& program, int& status);
 void addSubdivide(CLI::App& program, int& status);
 void addDeform(CLI::App& program, int& status);
+void addExport(CLI::App& program, int& status);
 void addFigures(CLI::App& program, int& status);
 void addCompare(CLI::App& program, int& status);
 void addBench(CLI::App& program, int& status);

@@ -53,6 +53,7 @@ int run(int argc, char** argv) {
   addHull(program, status);
   addSubdivide(program, status);
   addDeform(program, status);
+  addExport(program, status);
   addFigures(program, status);
   addCompare(program, status);
   addBench(program, status);
