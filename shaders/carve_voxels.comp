@@ -48,10 +48,13 @@ void askThroughWindow(GpuCamera camera, Footprint footprint, vec3 origin, mat3 s
   loadWindow(camera, low, pixelAt(footprint.high).y - low.y + 1);
   for (uint half_index = 0; half_index < 2; ++half_index) {
     uint sets = 0;
-    for (uint bit = 0; bit < 32; ++bit) {
-      const vec3 voxel = origin + step * voxelAt(half_index, bit);
-      const uvec2 pixel = min(pixelAt(projectThroughLens(camera, voxel).pixel) - low, kWindowPixels - 1);
-      sets |= (window[pixel.y] >> pixel.x & 1u) << bit;
+    for (uint row = 0; row < 8; ++row) {
+      const vec3 first = origin + step * voxelAt(half_index, 4 * row);
+      for (uint x = 0; x < 4; ++x) {
+        const Projection projection = projectThroughLens(camera, first + float(x) * step[0]);
+        const uvec2 pixel = min(pixelAt(projection.pixel) - low, kWindowPixels - 1);
+        sets |= (window[pixel.y] >> pixel.x & 1u) << (4 * row + x);
+      }
     }
     addView(half_index, ~0u, sets);
   }

@@ -25,7 +25,7 @@ Projection projectFisheye(GpuCamera camera, vec3 p) {
 }
 
 Projection projectPerspective(GpuCamera camera, vec3 p) {
-  vec2 x = p.xy / p.z;
+  vec2 x = p.xy * (1 / p.z);
   bool valid = p.z > 0;
   if (rigHas(kLensPerspective) || rigHas(kLensRational)) {  // a pinhole's coefficients are zero: the polynomials leave it alone
     const float r2 = dot(x, x);

@@ -331,7 +331,6 @@ TEST(Recorder, AMissingDeclarationInAFrameIsFound) {
       {"edges", 2},             // what it writes
       {"majority", 1},          // what it reads
       {"carve_tiles", 1},       // masks
-      {"carve_tiles", 2},       // tiles
       {"carve_voxels", 4},      // words
       {"distance_rows", 2},     // squares
       {"distance_lines_y", 0},  // squares
