@@ -20,6 +20,10 @@ constexpr std::size_t kMiddleCandidates = 40, kFineCandidates = 8;
 // Nearer than this, two candidates are one.
 constexpr double kSamePlace = 0.005, kSameTurn = 0.05;
 constexpr int kMaxFits = 3 * kCoarseRotations;
+// A search is many short submissions, so that a window can draw between them: as many fits as take about this
+// long. The results do not depend on it.
+constexpr double kSliceMs = 8;
+constexpr std::size_t kFirstSlice = 2;
 // Patches farther outside than this on average, and the hand is not there; a good fit has a tenth of a cell.
 constexpr double kLostCells = 0.4, kLostMetres = 0.002;
 // What is left uncovered weighs, in metres of outside distance, so much when all is: a flipped hand leaves a
@@ -28,17 +32,6 @@ constexpr double kUncoveredMetres = 0.004;
 
 double score(const GpuFit& fit, double uncovered) {
   return fit.outside_m + kUncoveredMetres * uncovered;
-}
-
-void addStages(const Recorder& recorder, std::vector<std::pair<std::string, double>>& stage_ms) {
-  for (const auto& [name, ms] : recorder.stageMs()) {
-    const auto same = std::find_if(stage_ms.begin(), stage_ms.end(),
-                                   [&name = name](const auto& s) { return s.first == name; });
-    if (same == stage_ms.end())
-      stage_ms.emplace_back(name, ms);
-    else
-      same->second += ms;
-  }
 }
 
 Eigen::Quaterniond rotationOf(const GpuFit& fit) {
@@ -212,30 +205,36 @@ std::vector<GpuFit> HandTracker::searchStarts(const std::vector<Vec3>& cells) co
   return fits;
 }
 
-void HandTracker::recordField(Recorder& recorder, const FieldGrid& grid,
-                              std::vector<std::pair<std::string, double>>& stage_ms) {
+void HandTracker::recordField(Recorder& recorder, const FieldGrid& grid, StageTimes& stage_ms) {
   recorder.begin();
   recorder.stage("fit");
   field_.record(recorder, carver_, grid);
   recorder.submitAndWait();
-  addStages(recorder, stage_ms);
+  addStages(recorder.stageMs(), stage_ms);
 }
 
-std::vector<HandTracker::Candidate> HandTracker::fitAll(
-    Recorder& recorder, Fitter& fitter, const FieldGrid& grid, const std::vector<GpuFit>& starts,
-    int iterations, std::vector<std::pair<std::string, double>>& stage_ms) {
-  std::copy(starts.begin(), starts.end(), fits_.host().begin());
-  recorder.begin();
-  recorder.stage("fit");
-  fitter.record(recorder, field_, grid, fits_, static_cast<std::uint32_t>(starts.size()), {iterations});
-  recorder.submitAndWait();
-  addStages(recorder, stage_ms);
+std::vector<HandTracker::Candidate> HandTracker::fitAll(Recorder& recorder, Fitter& fitter,
+                                                        const FieldGrid& grid,
+                                                        const std::vector<GpuFit>& starts, int iterations,
+                                                        StageTimes& stage_ms) {
   std::vector<Candidate> candidates;
-  for (std::size_t i = 0; i < starts.size(); ++i) candidates.push_back({fits_.host()[i], 0});
+  std::size_t slice = kFirstSlice;
+  while (candidates.size() < starts.size()) {
+    const std::size_t first = candidates.size(), count = std::min(slice, starts.size() - first);
+    std::copy_n(starts.begin() + std::ptrdiff_t(first), count, fits_.host().begin());
+    recorder.begin();
+    recorder.stage("fit");
+    fitter.record(recorder, field_, grid, fits_, static_cast<std::uint32_t>(count), {iterations});
+    recorder.submitAndWait();
+    addStages(recorder.stageMs(), stage_ms);
+    for (std::size_t i = 0; i < count; ++i) candidates.push_back({fits_.host()[i], 0});
+    const double slice_ms = std::max(recorder.stageMs().front().second, 0.1);
+    slice = std::clamp<std::size_t>(std::size_t(double(count) * kSliceMs / slice_ms), 1, kMaxFits);
+  }
   return candidates;
 }
 
-bool HandTracker::search(Recorder& recorder, std::vector<std::pair<std::string, double>>& stage_ms) {
+bool HandTracker::search(Recorder& recorder, StageTimes& stage_ms) {
   forget();
   if (isEmpty()) return false;
   // the whole workspace, in coarse cells

@@ -26,7 +26,7 @@ class HandTracker {
   void recordTracking(Recorder& recorder);
   /// Searches the carved model, with submissions of its own, and leaves the best pose as the one to start
   /// from. False when nothing there could be a hand. Stage times of its submissions are added to `stage_ms`.
-  bool search(Recorder& recorder, std::vector<std::pair<std::string, double>>& stage_ms);
+  bool search(Recorder& recorder, StageTimes& stage_ms);
 
   /// The result on the device: element 0.
   const Buffer<GpuFit>& result() const { return result_; }
@@ -45,14 +45,12 @@ class HandTracker {
   };
   std::vector<Vec3> occupiedCells(const FieldGrid& grid) const;
   std::vector<Candidate> fitAll(Recorder& recorder, Fitter& fitter, const FieldGrid& grid,
-                                const std::vector<GpuFit>& starts, int iterations,
-                                std::vector<std::pair<std::string, double>>& stage_ms);
+                                const std::vector<GpuFit>& starts, int iterations, StageTimes& stage_ms);
   void keepBest(std::vector<Candidate>& candidates, const std::vector<Vec3>& cells, double cell_m,
                 std::size_t count) const;
   static std::vector<GpuFit> starts(const std::vector<Candidate>& candidates);
   std::vector<GpuFit> searchStarts(const std::vector<Vec3>& cells) const;
-  void recordField(Recorder& recorder, const FieldGrid& grid,
-                   std::vector<std::pair<std::string, double>>& stage_ms);
+  void recordField(Recorder& recorder, const FieldGrid& grid, StageTimes& stage_ms);
   double uncovered(const GpuFit& fit, const std::vector<Vec3>& cells, double cell_m) const;
   FitChooseArgs chooseArgs(std::uint32_t count, double cell_m) const;
 

@@ -133,12 +133,14 @@ std::string joined(const std::vector<std::string>& words) {
 VKAPI_ATTR VkBool32 VKAPI_CALL collectMessage(VkDebugUtilsMessageSeverityFlagBitsEXT,
                                               VkDebugUtilsMessageTypeFlagsEXT,
                                               const VkDebugUtilsMessengerCallbackDataEXT* data,
-                                              void* messages) {
-  static_cast<std::vector<std::string>*>(messages)->push_back(data->pMessage);
+                                              void* user_data) {
+  auto& messages = *static_cast<ValidationMessages*>(user_data);
+  const std::lock_guard lock(messages.mutex);
+  messages.texts.push_back(data->pMessage);
   return VK_FALSE;
 }
 
-VkDebugUtilsMessengerCreateInfoEXT messengerInfo(std::vector<std::string>* messages) {
+VkDebugUtilsMessengerCreateInfoEXT messengerInfo(ValidationMessages* messages) {
   VkDebugUtilsMessengerCreateInfoEXT info{VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
   info.messageSeverity =
       VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
@@ -148,7 +150,7 @@ VkDebugUtilsMessengerCreateInfoEXT messengerInfo(std::vector<std::string>* messa
   return info;
 }
 
-VkInstance makeInstance(bool validation, std::vector<std::string>* messages) {
+VkInstance makeInstance(bool validation, ValidationMessages* messages) {
   // Mesa's implicit device-select layer asks the display which device it uses, and complains on standard
   // error where there is no display; the choice is ours (--device).
   setenv("NODEVICE_SELECT", "1", 0);
@@ -218,7 +220,7 @@ void check(VkResult result, const char* doing) {
 }
 
 std::vector<DeviceInfo> Gpu::devices() {
-  std::vector<std::string> unused;
+  ValidationMessages unused;
   const VkInstance instance = makeInstance(false, &unused);
   std::vector<DeviceInfo> infos;
   for (VkPhysicalDevice device : physicalDevices(instance)) infos.push_back(describe(device));
@@ -330,7 +332,38 @@ std::uint32_t Gpu::memoryType(std::uint32_t type_bits, VkMemoryPropertyFlags wan
   throw Error("the Vulkan device has no memory of the kind needed", Fault::kDevice);
 }
 
+void Gpu::submit(VkCommandBuffer commands, VkFence fence, const VkSemaphoreSubmitInfo* wait,
+                 const VkSemaphoreSubmitInfo* signal) {
+  VkCommandBufferSubmitInfo buffer{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO};
+  buffer.commandBuffer = commands;
+  VkSubmitInfo2 info{VK_STRUCTURE_TYPE_SUBMIT_INFO_2};
+  info.commandBufferInfoCount = 1;
+  info.pCommandBufferInfos = &buffer;
+  info.waitSemaphoreInfoCount = wait ? 1 : 0;
+  info.pWaitSemaphoreInfos = wait;
+  info.signalSemaphoreInfoCount = signal ? 1 : 0;
+  info.pSignalSemaphoreInfos = signal;
+  const std::lock_guard lock(queue_mutex_);
+  check(vkQueueSubmit2(queue_, 1, &info, fence), "submit work");
+}
+
+std::vector<std::string> Gpu::validationMessages() const {
+  const std::lock_guard lock(messages_.mutex);
+  return messages_.texts;
+}
+
+void Gpu::addLiveBuffer(std::uint64_t address, const LiveBuffer& buffer) {
+  const std::lock_guard lock(live_buffers_mutex_);
+  live_buffers_[address] = buffer;
+}
+
+void Gpu::removeLiveBuffer(std::uint64_t address) {
+  const std::lock_guard lock(live_buffers_mutex_);
+  live_buffers_.erase(address);
+}
+
 std::uint64_t Gpu::liveBufferAt(std::uint64_t address) const {
+  const std::lock_guard lock(live_buffers_mutex_);
   auto after = live_buffers_.upper_bound(address);
   if (after == live_buffers_.begin()) return 0;
   const auto& [start, buffer] = *std::prev(after);
@@ -338,6 +371,7 @@ std::uint64_t Gpu::liveBufferAt(std::uint64_t address) const {
 }
 
 int Gpu::damagedGuards() const {
+  const std::lock_guard lock(live_buffers_mutex_);
   int damaged = 0;
   for (const auto& [address, buffer] : live_buffers_) {
     if (!guards_ || !buffer.guarded) continue;

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <map>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -27,7 +28,14 @@ struct GpuOptions {
   bool guards = false;      ///< guard words before and behind every buffer, for damagedGuards()
 };
 
-/// One device, one queue for compute and graphics. Not copyable; outlives all that is made on it.
+/// What the validation layer said; it calls from any thread.
+struct ValidationMessages {
+  mutable std::mutex mutex;
+  std::vector<std::string> texts;
+};
+
+/// One device, one queue for compute and graphics. Not copyable; outlives all that is made on it. Threads may
+/// share it: each records with a Recorder of its own.
 class Gpu {
  public:
   /// \throw Error (Fault::kDevice) when there is no such device, or naming what it lacks.
@@ -44,7 +52,9 @@ class Gpu {
   VkDevice device() const { return device_; }
   VkPhysicalDevice physicalDevice() const { return physical_device_; }
   VkInstance instance() const { return instance_; }
+  /// For whoever must give the queue to others (a window's toolkit), with queueMutex() held.
   VkQueue queue() const { return queue_; }
+  std::mutex& queueMutex() { return queue_mutex_; }
   std::uint32_t queueFamily() const { return queue_family_; }
   const VkPhysicalDeviceLimits& limits() const { return limits_; }
 
@@ -55,8 +65,13 @@ class Gpu {
   /// Invocations of a workgroup that reduces in shared memory.
   std::uint32_t reductionWorkgroup() const { return is_cpu_ ? subgroup_size_ : 256; }
 
+  /// Submits a recorded command buffer, with what it waits for and signals, if anything; `fence` tells its
+  /// end.
+  void submit(VkCommandBuffer commands, VkFence fence, const VkSemaphoreSubmitInfo* wait = nullptr,
+              const VkSemaphoreSubmitInfo* signal = nullptr);
+
   /// Messages of the validation layer since the start; a test expects none.
-  const std::vector<std::string>& validationMessages() const { return messages_; }
+  std::vector<std::string> validationMessages() const;
 
   /// A memory type that has all of `wanted`, preferably `preferred` too.
   std::uint32_t memoryType(std::uint32_t type_bits, VkMemoryPropertyFlags wanted,
@@ -67,8 +82,8 @@ class Gpu {
     std::uint64_t bytes = 0;           ///< without guards
     unsigned char* guarded = nullptr;  ///< mapped memory including guards; null when not mapped
   };
-  void addLiveBuffer(std::uint64_t address, const LiveBuffer& buffer) { live_buffers_[address] = buffer; }
-  void removeLiveBuffer(std::uint64_t address) { live_buffers_.erase(address); }
+  void addLiveBuffer(std::uint64_t address, const LiveBuffer& buffer);
+  void removeLiveBuffer(std::uint64_t address);
   /// The first address of the live buffer that holds `address`; 0 when there is none.
   std::uint64_t liveBufferAt(std::uint64_t address) const;
   /// How many live buffers have had their guard words overwritten.
@@ -96,7 +111,9 @@ class Gpu {
   VkPhysicalDeviceLimits limits_{};
   VkPhysicalDeviceMemoryProperties memory_{};
   DeviceInfo info_;
-  std::vector<std::string> messages_;
+  std::mutex queue_mutex_;
+  ValidationMessages messages_;
+  mutable std::mutex live_buffers_mutex_;
   std::map<std::uint64_t, LiveBuffer> live_buffers_;
 };
 

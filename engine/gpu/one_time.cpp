@@ -4,18 +4,24 @@
 namespace airclay {
 
 void submitOnce(Gpu& gpu, const std::function<void(VkCommandBuffer)>& record) {
-  struct Pool {
+  struct Once {
     VkDevice device;
-    VkCommandPool handle = VK_NULL_HANDLE;
-    ~Pool() { vkDestroyCommandPool(device, handle, nullptr); }
-  } pool{gpu.device()};
+    VkCommandPool pool = VK_NULL_HANDLE;
+    VkFence fence = VK_NULL_HANDLE;
+    ~Once() {
+      vkDestroyFence(device, fence, nullptr);
+      vkDestroyCommandPool(device, pool, nullptr);
+    }
+  } once{gpu.device()};
+  const VkFenceCreateInfo fence_info{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
+  check(vkCreateFence(gpu.device(), &fence_info, nullptr, &once.fence), "make a fence");
   VkCommandPoolCreateInfo pool_info{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
   pool_info.flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT;
   pool_info.queueFamilyIndex = gpu.queueFamily();
-  check(vkCreateCommandPool(gpu.device(), &pool_info, nullptr, &pool.handle), "make a command pool");
+  check(vkCreateCommandPool(gpu.device(), &pool_info, nullptr, &once.pool), "make a command pool");
 
   VkCommandBufferAllocateInfo allocate{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
-  allocate.commandPool = pool.handle;
+  allocate.commandPool = once.pool;
   allocate.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
   allocate.commandBufferCount = 1;
   VkCommandBuffer commands;
@@ -35,13 +41,8 @@ void submitOnce(Gpu& gpu, const std::function<void(VkCommandBuffer)>& record) {
   vkCmdPipelineBarrier2(commands, &dependency);
   check(vkEndCommandBuffer(commands), "record commands");
 
-  VkCommandBufferSubmitInfo buffer{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO};
-  buffer.commandBuffer = commands;
-  VkSubmitInfo2 submit{VK_STRUCTURE_TYPE_SUBMIT_INFO_2};
-  submit.commandBufferInfoCount = 1;
-  submit.pCommandBufferInfos = &buffer;
-  check(vkQueueSubmit2(gpu.queue(), 1, &submit, VK_NULL_HANDLE), "submit work");
-  check(vkQueueWaitIdle(gpu.queue()), "wait for the device");
+  gpu.submit(commands, once.fence);
+  check(vkWaitForFences(gpu.device(), 1, &once.fence, VK_TRUE, UINT64_MAX), "wait for the device");
 }
 
 }  // namespace airclay

@@ -62,7 +62,7 @@ Recorder::Recorder(Gpu& gpu) : gpu_(gpu) {
 }
 
 Recorder::~Recorder() {
-  vkDeviceWaitIdle(gpu_.device());
+  if (running_) vkWaitForFences(gpu_.device(), 1, &fence_, VK_TRUE, UINT64_MAX);
   vkDestroyQueryPool(gpu_.device(), queries_, nullptr);
   vkDestroyFence(gpu_.device(), fence_, nullptr);
   vkDestroyCommandPool(gpu_.device(), pool_, nullptr);
@@ -79,6 +79,7 @@ void Recorder::begin() {
   info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
   check(vkBeginCommandBuffer(command_buffer_, &info), "record commands");
   vkCmdResetQueryPool(command_buffer_, queries_, 0, kMaxStages + 1);
+  barrier();  // another thread's submission may still use the same buffers
 }
 
 void Recorder::stage(const std::string& name) {
@@ -164,7 +165,7 @@ void Recorder::copy(const RawBuffer& from, const RawBuffer& to, std::uint64_t by
   vkCmdCopyBuffer(command_buffer_, from.handle(), to.handle(), 1, &region);
 }
 
-void Recorder::submit() {
+void Recorder::submit(const VkSemaphoreSubmitInfo* wait_for, const VkSemaphoreSubmitInfo* signal) {
   vkCmdWriteTimestamp2(command_buffer_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_,
                        static_cast<std::uint32_t>(stages_.size()));
   VkMemoryBarrier2 memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
@@ -178,23 +179,31 @@ void Recorder::submit() {
   vkCmdPipelineBarrier2(command_buffer_, &dependency);
   check(vkEndCommandBuffer(command_buffer_), "record commands");
 
-  VkCommandBufferSubmitInfo buffer{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO};
-  buffer.commandBuffer = command_buffer_;
-  VkSubmitInfo2 info{VK_STRUCTURE_TYPE_SUBMIT_INFO_2};
-  info.commandBufferInfoCount = 1;
-  info.pCommandBufferInfos = &buffer;
   check(vkResetFences(gpu_.device(), 1, &fence_), "reset a fence");
-  check(vkQueueSubmit2(gpu_.queue(), 1, &info, fence_), "submit work");
+  gpu_.submit(command_buffer_, fence_, wait_for, signal);
+  running_ = true;
 }
 
 void Recorder::wait() {
   check(vkWaitForFences(gpu_.device(), 1, &fence_, VK_TRUE, UINT64_MAX), "wait for the device");
+  running_ = false;
   readTimestamps();
 }
 
 void Recorder::submitAndWait() {
   submit();
   wait();
+}
+
+void addStages(const StageTimes& stages, StageTimes& total) {
+  for (const auto& [name, ms] : stages) {
+    const auto same = std::find_if(total.begin(), total.end(),
+                                   [&name = name](const auto& stage) { return stage.first == name; });
+    if (same == total.end())
+      total.emplace_back(name, ms);
+    else
+      same->second += ms;
+  }
 }
 
 void Recorder::readTimestamps() {
@@ -207,12 +216,7 @@ void Recorder::readTimestamps() {
   for (std::size_t i = 0; i < stages_.size(); ++i) {
     const double ms = static_cast<double>(ticks[i + 1] - ticks[i]) *
                       static_cast<double>(gpu_.limits().timestampPeriod) * 1e-6;
-    const auto same = std::find_if(stage_ms_.begin(), stage_ms_.end(),
-                                   [&](const auto& s) { return s.first == stages_[i]; });
-    if (same != stage_ms_.end())
-      same->second += ms;
-    else
-      stage_ms_.emplace_back(stages_[i], ms);
+    addStages({{stages_[i], ms}}, stage_ms_);
   }
 }
 

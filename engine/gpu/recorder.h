@@ -46,6 +46,10 @@ class HazardTracker {
 /// earlier and up to the later.
 std::vector<std::pair<int, int>> hazards(const std::vector<RecordedCommand>& commands);
 
+/// Milliseconds on the device by stage, in order of first appearance.
+using StageTimes = std::vector<std::pair<std::string, double>>;
+void addStages(const StageTimes& stages, StageTimes& total);
+
 class Recorder {
  public:
   explicit Recorder(Gpu& gpu);
@@ -84,11 +88,12 @@ class Recorder {
 
   /// Submits all since begin() as one submission, and waits.
   void submitAndWait();
-  void submit();
+  /// Without waiting for its end; a window's images are waited for and signalled by semaphores.
+  void submit(const VkSemaphoreSubmitInfo* wait_for = nullptr, const VkSemaphoreSubmitInfo* signal = nullptr);
   void wait();
 
-  /// Milliseconds on the device by stage, of the last submission, in order of first appearance.
-  const std::vector<std::pair<std::string, double>>& stageMs() const { return stage_ms_; }
+  /// Of the last submission.
+  const StageTimes& stageMs() const { return stage_ms_; }
   /// The commands since begin().
   const std::vector<RecordedCommand>& commands() const { return commands_; }
 
@@ -109,10 +114,11 @@ class Recorder {
   VkFence fence_ = VK_NULL_HANDLE;
   VkQueryPool queries_ = VK_NULL_HANDLE;
   VkPipeline bound_ = VK_NULL_HANDLE;
+  bool running_ = false;  ///< submitted and not waited for
   HazardTracker tracker_;
   std::vector<RecordedCommand> commands_;
   std::vector<std::string> stages_;
-  std::vector<std::pair<std::string, double>> stage_ms_;
+  StageTimes stage_ms_;
 };
 
 /// Workgroups of `size` that cover `count` invocations.
