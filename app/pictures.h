@@ -35,6 +35,8 @@ class DrawnHand {
  public:
   DrawnHand(Gpu& gpu, const HandModel& hand, const std::optional<TriangleMesh>& forearm);
   SceneHand at(const Pose& workspace_from_hand) const;
+  /// Distances to the skin, in the hand's frame.
+  const DistanceGrid& grid() const { return skin_.grid(); }
 
  private:
   DrawnMesh skin_;

@@ -68,7 +68,7 @@ Renderer::Renderer(Gpu& gpu, const RendererOptions& options) : gpu_(gpu), option
   shadow_image_ = Image(gpu, ImageKind::kDepth, shadow, shadow);
   shadow_map_ = Buffer<float>(gpu, std::size_t(shadow) * shadow);
   frame_ = Buffer<RenderFrame>(gpu, 1, Memory::kHost);
-  pixels_ = Buffer<std::uint32_t>(gpu, std::size_t(width) * height, Memory::kHost);
+  if (options.readback) pixels_ = Buffer<std::uint32_t>(gpu, std::size_t(width) * height, Memory::kHost);
 
   // the lit square of ground, from -1 to 1; the cells' edge grows from the middle outwards
   const auto place = [](std::uint32_t i) {
@@ -379,7 +379,7 @@ void Renderer::recordPicture(Recorder& recorder, const Scene& scene) {
   if (options_.multisample) pass.resolve = &resolved_;
   pass.clear_color = vec4(0, 0, 0, 1);
   render(recorder, pass, draws);
-  copyToBuffer(recorder, options_.multisample ? resolved_ : color_, pixels_.raw());
+  if (options_.readback) copyToBuffer(recorder, picture(), pixels_.raw());
 }
 
 }  // namespace airclay

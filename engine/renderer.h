@@ -189,6 +189,7 @@ struct RendererOptions {
   bool multisample = true;         ///< 4 samples a pixel: smooth edges
   int shadow_map = 1024;           ///< texels along an edge
   int shadow_taps = 64;            ///< of the soft shadow's kernel
+  bool readback = true;            ///< pixels() is wanted; a window shows picture()
 
   static constexpr int kMaxPicture = 4096;
 
@@ -210,6 +211,8 @@ class Renderer {
 
   int width() const { return options_.width; }
   int height() const { return options_.height; }
+  /// The picture itself, as large as the options say.
+  Image& picture() { return options_.multisample ? resolved_ : color_; }
   /// RGBA, a word a pixel, red in the lowest byte, sRGB, rows from the top. \pre the recorded work is done
   std::span<const std::uint32_t> pixels() const { return pixels_.host(); }
   /// The same as bytes.

@@ -347,6 +347,11 @@ void Gpu::submit(VkCommandBuffer commands, VkFence fence, const VkSemaphoreSubmi
   check(vkQueueSubmit2(queue_, 1, &info, fence), "submit work");
 }
 
+void Gpu::waitIdle() {
+  const std::lock_guard lock(queue_mutex_);
+  check(vkQueueWaitIdle(queue_), "wait for the device");
+}
+
 std::vector<std::string> Gpu::validationMessages() const {
   const std::lock_guard lock(messages_.mutex);
   return messages_.texts;

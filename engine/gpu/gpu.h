@@ -70,6 +70,9 @@ class Gpu {
   void submit(VkCommandBuffer commands, VkFence fence, const VkSemaphoreSubmitInfo* wait = nullptr,
               const VkSemaphoreSubmitInfo* signal = nullptr);
 
+  /// Until all that was submitted is done.
+  void waitIdle();
+
   /// Messages of the validation layer since the start; a test expects none.
   std::vector<std::string> validationMessages() const;
 

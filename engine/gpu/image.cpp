@@ -30,6 +30,11 @@ Image::Image(Gpu& gpu, ImageKind kind, std::uint32_t width, std::uint32_t height
   info.extent = {width, height, 1};
   info.mipLevels = info.arrayLayers = 1;
   info.samples = static_cast<VkSampleCountFlagBits>(samples);
+  if (kind == ImageKind::kColor && samples == 1) {
+    // as bytes for whoever copies it, through an sRGB view for whoever draws into it
+    info.format = VK_FORMAT_R8G8B8A8_UNORM;
+    info.flags = VK_IMAGE_CREATE_MUTABLE_FORMAT_BIT;
+  }
   info.usage = kind == ImageKind::kColor ? VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT
                                          : VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
   if (samples == 1) info.usage |= VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
@@ -47,7 +52,7 @@ Image::Image(Gpu& gpu, ImageKind kind, std::uint32_t width, std::uint32_t height
   VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
   view.image = image_;
   view.viewType = VK_IMAGE_VIEW_TYPE_2D;
-  view.format = info.format;
+  view.format = formatOf(kind);
   view.subresourceRange = {aspect(), 0, 1, 0, 1};
   check(vkCreateImageView(gpu.device(), &view, nullptr, &view_), "make an image's view");
 }

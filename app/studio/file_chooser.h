@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+// Which file: a name typed, or picked from a folder's list.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace airclay {
+
+class FileChooser {
+ public:
+  using Chosen = std::function<void(const std::filesystem::path&)>;
+
+  /// Opens it in `folder`. `endings` are shown (".clay"); an unnamed ending becomes the first when `to_write`.
+  void open(const std::string& title, const std::filesystem::path& folder, std::vector<std::string> endings,
+            bool to_write, Chosen chosen);
+  bool isOpen() const { return open_; }
+  /// \pre between Window::begin() and present()
+  void draw();
+
+ private:
+  struct Listed {
+    std::string name;
+    bool is_folder = false;
+  };
+  void goTo(const std::filesystem::path& folder);
+  bool accept();
+  void drawList();
+
+  bool open_ = false, asked_ = false, to_write_ = false;
+  std::string title_, fault_, name_;
+  std::filesystem::path folder_;
+  std::vector<std::string> endings_;
+  std::vector<Listed> listed_;
+  Chosen chosen_;
+};
+
+}  // namespace airclay

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+// The studio's panels: tools on the left, what is seen and how well on the right, the document above.
+#pragma once
+
+#include <deque>
+
+#include "app/studio/settings.h"
+#include "app/studio/stage.h"
+#include "app/studio/window.h"
+
+namespace airclay {
+
+/// Figures of the last seconds, for the graph and the log.
+class Meter {
+ public:
+  /// A picture was shown; `latency_ms` since its frame was captured, when it shows a new one.
+  void shown(std::optional<double> latency_ms);
+  double pictureHz() const { return picture_hz_; }
+  double latencyMs() const { return latency_ms_; }  ///< median of the last two seconds
+  /// Of every new frame, the oldest first.
+  const std::deque<float>& history() const { return history_; }
+
+ private:
+  std::deque<Clock::time_point> times_;
+  std::deque<std::pair<Clock::time_point, double>> latencies_;
+  std::deque<float> history_;
+  double picture_hz_ = 0, latency_ms_ = 0;
+};
+
+/// What the panels ask the studio for, beyond the settings.
+struct PanelWishes {
+  bool open = false, save_as = false, import = false, export_surface = false, export_cage = false, help = false;
+  std::string new_clay;  ///< a preset's name
+};
+
+class Panels {
+ public:
+  Panels(Session& session, StudioSettings& settings) : session_(session), settings_(settings) {}
+
+  PanelWishes draw(const Snapshot& snapshot, const Stage& stage, const Meter& meter);
+  /// Where the cameras' pictures lie, of the panels drawn last.
+  std::span<const Inset> insets() const { return insets_; }
+
+ private:
+  void drawMenu(const DocumentView& document, PanelWishes& wishes);
+  void drawTools(const DocumentView& document);
+  void drawForm(const DocumentView& document);
+  void drawShown();
+  void drawStatus(const Snapshot& snapshot, const Stage& stage, const Meter& meter);
+  void drawStages(const Snapshot& snapshot);
+  void drawCameras(const Snapshot& snapshot, const Stage& stage);
+  void drawHint(const Snapshot& snapshot, const Stage& stage);
+
+  Session& session_;
+  StudioSettings& settings_;
+  std::vector<Inset> insets_;
+  float menu_height_ = 0, status_bottom_ = 0;  ///< pixels, of the last picture
+};
+
+}  // namespace airclay

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: MIT
+// What goes on behind the window: frames are tracked and clay is sculpted on a thread of its own, every stroke goes
+// into the document.
+//
+// The window's thread looks at snapshots, draws the clay from the buffers that it lies in, and posts commands.
+#pragma once
+
+#include <atomic>
+#include <deque>
+#include <functional>
+#include <shared_mutex>
+
+#include "app/studio/frame_reader.h"
+#include "engine/document.h"
+#include "engine/one_euro.h"
+#include "engine/pipeline.h"
+#include "engine/strokes.h"
+
+namespace airclay {
+
+/// How well the hand is known.
+enum class HandTrust {
+  kNobody,     ///< nobody there
+  kTracking,
+  kUncertain,  ///< a pose, but a doubtful one: the clay does not move
+  kLost,
+};
+
+/// When the clay is held still.
+enum class Clutch {
+  kContact,  ///< never: touching is sculpting
+  kHold,     ///< but for while a key or pedal is down
+};
+
+/// The hand that mouse and keys move.
+struct MouseHand {
+  Pose world_from_hand = Pose::Identity();
+  bool present = false;
+};
+
+struct SessionSettings {
+  Tool tool = Tool::kPush;
+  Symmetry symmetry;
+  Clutch clutch = Clutch::kContact;
+  bool clutch_down = false;
+  bool steady = true;  ///< the One Euro filter
+};
+
+/// The state of things after a frame, as the window shows it.
+struct Snapshot {
+  std::uint64_t serial = 0;  ///< of the frame; 0: none yet
+  int frame = 0, frame_count = 0;
+  double time_s = 0;
+  bool learning = false;  ///< the empty workspace
+  bool ended = false;     ///< of the take
+  HandTrust trust = HandTrust::kNobody;
+  std::optional<Pose> world_from_hand;  ///< as it sculpts
+  FrameResult result;
+  double decode_ms = 0, steady_ms = 0;  ///< the filter's lag
+  Clock::time_point captured_at;
+  double rate_hz = 0;  ///< frames that went through in the last second
+  bool sculpting = false;  ///< a stroke is under way
+};
+
+/// What the document is like, for menus.
+struct DocumentView {
+  std::filesystem::path file;  ///< empty: kept as an unsaved one
+  std::optional<std::string> undo, redo;
+  int undo_count = 0, redo_count = 0;
+  int levels = 0, control_points = 0, data_points = 0;
+  SubdivisionRule rule = SubdivisionRule::kCatmullClark;
+  SolveRows solve = SolveRows::kAll;
+};
+
+class Session {
+ public:
+  struct Options {
+    Recording* recording = nullptr;  ///< none: the mouse's hand; must outlive the session
+    Rig rig;
+    HandModel hand;
+    int voxels = 128;
+  };
+
+  /// `document` holds the clay.
+  Session(Gpu& gpu, const Options& options, Document document);
+  /// Ends the stroke under way, so that it is kept.
+  ~Session();
+
+  // --- the window's thread ---
+  Snapshot snapshot() const;
+  DocumentView documentView() const;
+  /// Lines to be shown once: what a command did, or why it could not.
+  std::vector<std::string> takeNotes();
+  void set(const SessionSettings& settings);
+  void setMouseHand(const MouseHand& hand);
+  bool hasRecording() const { return options_.recording != nullptr; }
+  bool pipelineFailed() const { return failed_; }
+
+  void undo();
+  void redo();
+  void refineClay();
+  void setForm(int levels, SubdivisionRule rule, SolveRows solve);
+  /// Turns the clay about an axis through the workspace's centre; `name` is the entry's once it is done.
+  void turn(const Vec3& axis, double angle_rad, bool last);
+  void exportMesh(const std::filesystem::path& file, bool surface);
+  void importCage(const std::filesystem::path& file);
+  void saveAs(const std::filesystem::path& file);
+  void openDocument(const std::filesystem::path& file);
+  void replaceClay(const ClayState& state, const std::string& name);
+  void restartTake();
+  void pauseTake(bool paused);
+  void forgetHand();
+
+  /// The clay as it lies on the device, and its form; `look` must submit all that it records before it returns.
+  struct ClayOnDevice {
+    const Clay& clay;
+    const ClayState& form;  ///< its cage's points are those of long ago
+    std::uint64_t form_serial;
+  };
+  void withClay(const std::function<void(const ClayOnDevice&)>& look) const;
+  /// Small pictures of the cameras, silhouettes tinted: B G R A, kThumbnailWidth wide, one below the other.
+  const Buffer<std::uint32_t>& thumbnails() const { return thumbnails_; }
+  int thumbnailHeight(std::size_t camera) const;
+  std::size_t thumbnailStart(std::size_t camera) const { return thumbnail_starts_[camera]; }
+  static constexpr int kThumbnailWidth = 240;
+  const Rig& rig() const { return options_.rig; }
+  const HandModel& hand() const { return options_.hand; }
+  const Carver& carver() const;
+
+ private:
+  void run();
+  void post(std::function<void()> command);
+  bool obey();
+  bool frameFromRecording();
+  bool frameFromMouse();
+  void learn(const FrameSet& set);
+  void sculpt(Snapshot& next, double step_s);
+  void follow(const Snapshot& next);
+  void endStroke();
+  void commitStroke(const std::string& name);
+  ClayState currentState() const;
+  void show(const ClayState& state);
+  void publish(Snapshot next);
+  void refreshDocumentView();
+  void drawThumbnails(const FrameSet& set);
+  void note(const std::string& words);
+  void guarded(const std::function<void()>& work);
+
+  Gpu& gpu_;
+  Options options_;
+  Pipeline pipeline_;
+  Document document_;
+  ClayState form_;  ///< of the pipeline's clay
+  std::uint64_t form_serial_ = 1;
+  std::optional<FrameReader> reader_;
+  FrameSet set_;
+  StrokeWatch strokes_;
+  OneEuroPose steady_;
+  Buffer<std::uint32_t> thumbnails_;
+  std::vector<std::size_t> thumbnail_starts_;
+  std::deque<Clock::time_point> frame_times_;
+  double last_frame_s_ = -1;
+  bool background_learned_ = false, turning_ = false;
+  std::uint64_t serial_ = 0;
+
+  mutable std::shared_mutex structure_;  ///< the clay's buffers stay while it is held
+  mutable std::mutex mutex_;             ///< of what follows
+  Snapshot snapshot_;
+  DocumentView document_view_;
+  std::vector<std::string> notes_;
+  SessionSettings settings_;
+  MouseHand mouse_hand_;
+  std::deque<std::function<void()>> commands_;
+  std::atomic<bool> stop_ = false, failed_ = false;
+  std::thread thread_;
+};
+
+}  // namespace airclay

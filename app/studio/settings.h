@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+// What the studio remembers between runs: in XDG_CONFIG_HOME/airclay/studio.toml.
+#pragma once
+
+#include <filesystem>
+
+#include "app/studio/session.h"
+
+namespace airclay {
+
+struct StudioSettings {
+  int window_width = 1280, window_height = 800;  ///< screen units
+  double text_scale = 1;                         ///< on top of the display's own
+  Tool tool = Tool::kPush;
+  Symmetry symmetry;
+  Clutch clutch = Clutch::kContact;
+  bool steady = true;
+  bool show_panels = true, show_voxels = false, show_cage = false, show_points = false, show_skeleton = false,
+       show_cameras = false, show_graph = true;
+  int clutch_key = 32;           ///< GLFW's number: the space bar; a foot pedal types a key
+  std::filesystem::path folder;  ///< of the last document or export
+  bool first_run = true;
+};
+
+/// XDG_CONFIG_HOME/airclay and XDG_STATE_HOME/airclay, with the specification's defaults under HOME.
+std::filesystem::path configFolder();
+std::filesystem::path stateFolder();
+
+/// What cannot be read is said once on standard error, and the defaults hold.
+StudioSettings loadSettings();
+/// Never throws: settings are a comfort.
+void saveSettings(const StudioSettings& settings);
+
+}  // namespace airclay

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT
+#include "app/studio/stage.h"
+
+#include <algorithm>
+#include <map>
+
+#include "engine/clay.h"
+
+namespace airclay {
+namespace {
+
+/// The distance from hand to clay is taken over so many data points at most.
+constexpr std::size_t kMeasuredPoints = 2000;
+/// 15 cm: farther away nobody asks how far.
+constexpr double kFarthestGap = 0.15;
+
+}  // namespace
+
+Stage::Stage(Gpu& gpu, const Session& session, const std::optional<TriangleMesh>& forearm)
+    : gpu_(gpu), session_(session), hand_(gpu, session.hand(), forearm) {
+  std::map<std::pair<int, int>, std::size_t> found;
+  const std::vector<std::array<int, 3>>& triangles = session.hand().skin.triangles;
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const int a = triangles[t][k], b = triangles[t][(k + 1) % 3];
+      const auto [at, is_new] = found.try_emplace(std::minmax(a, b), skin_edges_.size());
+      if (is_new)
+        skin_edges_.push_back({a, b, static_cast<int>(t), -1});
+      else
+        skin_edges_[at->second].right = static_cast<int>(t);
+    }
+}
+
+void Stage::measure(const Clay& clay, const std::optional<Pose>& workspace_from_hand) {
+  const std::vector<vec3> points = clay.dataPoints().download();
+  Eigen::AlignedBox3d box;
+  for (const vec3& point : points) box.extend(point.cast<double>());
+  clay_center_ = box.center();
+  clay_radius_m_ = 0.5 * box.diagonal().norm();
+  ground_z_m_ = std::min(-0.3 * session_.rig().workspace.edge_m, box.min().z() - 0.01);
+  gap_m_.reset();
+  if (!workspace_from_hand) return;
+  const Pose hand_from_workspace = workspace_from_hand->inverse();
+  const std::size_t step = std::max<std::size_t>(1, points.size() / kMeasuredPoints);
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < points.size(); i += step)
+    nearest = std::min(nearest, sample(hand_.grid(), hand_from_workspace * points[i].cast<double>()));
+  if (nearest < kFarthestGap) gap_m_ = nearest;
+}
+
+void Stage::record(Recorder& recorder, const Session::ClayOnDevice& clay, const Snapshot& snapshot,
+                   const StudioSettings& settings, const View& view, int width, int height) {
+  if (!renderer_ || renderer_->width() != width || renderer_->height() != height) {
+    RendererOptions options = gpu_.isCpu() ? RendererOptions::live(width, height)
+                                           : RendererOptions{.width = width, .height = height};
+    options.readback = false;
+    renderer_ = std::make_unique<Renderer>(gpu_, options);
+  }
+  if (form_serial_ != clay.form_serial) {
+    surface_ = std::make_unique<DisplaySurface>(gpu_, clay.form.cage, clay.form.rule, clay.form.levels);
+    form_serial_ = clay.form_serial;
+  }
+  const Workspace& workspace = session_.rig().workspace;
+  std::optional<Pose> workspace_from_hand;
+  if (snapshot.world_from_hand) workspace_from_hand = workspaceFromWorld(workspace) * *snapshot.world_from_hand;
+  measure(clay.clay, workspace_from_hand);
+
+  surface_->record(recorder, clay.clay.controlPoints());
+  Scene scene;
+  scene.workspace = workspace;
+  scene.ground_z_m = ground_z_m_;
+  scene.meshes.push_back({.surface = surface_->surface()});
+  if (workspace_from_hand) {
+    scene.hand = hand_.at(*workspace_from_hand);
+    if (snapshot.trust != HandTrust::kTracking) scene.hand->opacity *= 0.5;
+  }
+  if (settings.show_voxels && session_.hasRecording()) scene.voxels = &session_.carver();
+  if (settings.show_cameras) {
+    scene.strokes.push_back(cubeEdges(workspace));
+    scene.strokes.push_back(cameraFrusta(session_.rig(), workspace.edge_m / 6));
+  }
+  if (settings.show_cage) {
+    SceneStrokes cage = meshEdges(clay.clay.cage(), workspace);
+    cage.hidden = 0.3;
+    scene.strokes.push_back(std::move(cage));
+  }
+  if (settings.show_points) {
+    SceneStrokes points;
+    points.points = &clay.clay.dataPoints();
+    points.dots = true;
+    points.width_px = 4;
+    scene.strokes.push_back(std::move(points));
+  }
+  if (settings.show_skeleton && workspace_from_hand)
+    scene.capsules = skeletonCapsules(session_.hand(), *workspace_from_hand);
+  renderer_->record(recorder, scene, view);
+}
+
+std::vector<std::pair<Vec2, Vec2>> Stage::outline(std::size_t camera, const Pose& world_from_hand) const {
+  const Camera& seen_by = session_.rig().cameras[camera];
+  const TriangleMesh& skin = session_.hand().skin;
+  const Vec3 eye_in_hand = (seen_by.camera_from_world * world_from_hand).inverse().translation();
+  std::vector<char> faces_camera;
+  for (const auto& [a, b, c] : skin.triangles) {
+    const Vec3& corner = skin.vertices[std::size_t(a)];
+    const Vec3 normal = (skin.vertices[std::size_t(b)] - corner).cross(skin.vertices[std::size_t(c)] - corner);
+    faces_camera.push_back(normal.dot(eye_in_hand - corner) > 0);
+  }
+  std::vector<std::pair<Vec2, Vec2>> lines;
+  for (const SkinEdge& edge : skin_edges_) {
+    if (edge.right >= 0 && faces_camera[std::size_t(edge.left)] == faces_camera[std::size_t(edge.right)]) continue;
+    const auto a = project(seen_by, world_from_hand * skin.vertices[std::size_t(edge.a)]);
+    const auto b = project(seen_by, world_from_hand * skin.vertices[std::size_t(edge.b)]);
+    if (a && b) lines.emplace_back(*a, *b);
+  }
+  return lines;
+}
+
+}  // namespace airclay

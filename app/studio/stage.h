@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+// What stands in the studio's picture: clay, hand, ground, and the workings if they are to be seen.
+#pragma once
+
+#include <optional>
+
+#include "app/studio/session.h"
+#include "app/studio/settings.h"
+#include "app/studio/view_control.h"
+#include "app/pictures.h"
+#include "engine/renderer.h"
+
+namespace airclay {
+
+class Stage {
+ public:
+  Stage(Gpu& gpu, const Session& session, const std::optional<TriangleMesh>& forearm);
+
+  /// Records the picture of `snapshot`, `width` x `height` pixels; it is in picture() when the work is done. The clay
+  /// may not change its form until that is submitted. \pre the work recorded before is done
+  void record(Recorder& recorder, const Session::ClayOnDevice& clay, const Snapshot& snapshot,
+              const StudioSettings& settings, const View& view, int width, int height);
+  Image& picture() { return renderer_->picture(); }
+
+  /// The smallest distance between the hand's skin and the clay's data points; negative: that deep inside. None when the
+  /// hand is out of reach.
+  std::optional<double> gapMetres() const { return gap_m_; }
+  /// A ball around the clay, workspace frame.
+  Vec3 clayCenter() const { return clay_center_; }
+  double clayRadius() const { return clay_radius_m_; }
+  /// The posed hand's outline in a camera's picture: pairs of points, pixels.
+  std::vector<std::pair<Vec2, Vec2>> outline(std::size_t camera, const Pose& world_from_hand) const;
+
+ private:
+  void measure(const Clay& clay, const std::optional<Pose>& workspace_from_hand);
+
+  /// An edge of the skin and the triangles on both sides.
+  struct SkinEdge {
+    int a = 0, b = 0, left = -1, right = -1;
+  };
+
+  Gpu& gpu_;
+  const Session& session_;
+  DrawnHand hand_;
+  std::vector<SkinEdge> skin_edges_;
+  std::unique_ptr<Renderer> renderer_;
+  std::unique_ptr<DisplaySurface> surface_;
+  std::uint64_t form_serial_ = 0;
+  double ground_z_m_ = 0;
+  std::optional<double> gap_m_;
+  Vec3 clay_center_ = Vec3::Zero();
+  double clay_radius_m_ = 0.1;
+};
+
+}  // namespace airclay

@@ -1,0 +1,341 @@
+// SPDX-License-Identifier: MIT
+#include "app/studio/studio.h"
+
+#include <GLFW/glfw3.h>
+#include <imgui/imgui.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "app/command.h"
+#include "app/studio/file_chooser.h"
+#include "app/studio/keys.h"
+#include "app/studio/panels.h"
+#include "app/tracking.h"
+#include "engine/error.h"
+#include "engine/presets.h"
+
+namespace airclay {
+namespace {
+
+constexpr double kNoteSeconds = 4, kLogSeconds = 1;
+constexpr double kTurnRadS = 1.2;         // of the clay and the mouse's hand, while a key is held
+constexpr double kQuietPictureS = 0.2;    // between pictures when nothing happens
+
+double secondsBetween(Clock::time_point from, Clock::time_point to) {
+  return std::chrono::duration<double>(to - from).count();
+}
+
+/// This process's resident memory, from Linux's own account.
+double residentMegabytes() {
+  std::ifstream statm("/proc/self/statm");
+  long pages = 0, resident = 0;
+  statm >> pages >> resident;
+  return static_cast<double>(resident) * 4096 / 1e6;
+}
+
+const char* wordFor(HandTrust trust) {
+  constexpr const char* kWords[] = {"nobody", "tracking", "uncertain", "lost"};
+  return kWords[static_cast<int>(trust)];
+}
+
+}  // namespace
+
+class Studio {
+ public:
+  Studio(Gpu& gpu, const Session::Options& session, Document document, const StudioOptions& options)
+      : gpu_(gpu),
+        options_(options),
+        settings_(loadSettings()),
+        window_(gpu, {options.title, settings_.window_width, settings_.window_height}),
+        session_(gpu, session, std::move(document)),
+        stage_(gpu, session_, options.forearm),
+        panels_(session_, settings_),
+        view_(session.rig.workspace.edge_m),
+        recorder_(gpu) {
+    if (!options.log.empty()) log_.open(options.log);
+    settings_.folder = settings_.folder.empty() ? std::filesystem::current_path() : settings_.folder;
+    show_help_ = settings_.first_run;
+    settings_.first_run = false;
+    bindKeys();
+    mouse_hand_.world_from_hand.translation() =
+        session.rig.workspace.center + Vec3(0, -0.35 * session.rig.workspace.edge_m, 0);
+  }
+
+  void run() {
+    while (!window_.closing()) {
+      const Snapshot snapshot = session_.snapshot();
+      if (session_.pipelineFailed()) break;
+      window_.poll(pollSeconds(snapshot));
+      for (const std::filesystem::path& file : window_.takeDropped()) openDropped(file);
+      drawPicture(snapshot);
+      writeLog(snapshot);
+      if (snapshot.ended && options_.close_at_end) window_.close();
+    }
+    rememberSettings();
+    for (const std::string& note : session_.takeNotes()) {
+      if (session_.pipelineFailed()) throw Error(note, Fault::kDevice);
+      warn(note);
+    }
+  }
+
+ private:
+  struct Note {
+    std::string words;
+    Clock::time_point since;
+  };
+
+  /// A picture is drawn for every new frame and while something is being done, and now and then otherwise.
+  double pollSeconds(const Snapshot& snapshot) const {
+    if (snapshot.serial != drawn_serial_ && session_.hasRecording()) return 0;
+    const double since = secondsBetween(last_input_, Clock::now());
+    const double interval = since < 1 || mouse_hand_.present ? 1.0 / 60 : kQuietPictureS;
+    return std::clamp(interval - secondsBetween(last_picture_, Clock::now()), 0.0, interval);
+  }
+
+  void drawPicture(const Snapshot& snapshot) {
+    if (!window_.begin()) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));  // minimised
+      return;
+    }
+    const double step_s = std::min(secondsBetween(last_picture_, Clock::now()), 0.1);
+    last_picture_ = Clock::now();
+    takeInput(step_s);
+    const PanelWishes wishes = panels_.draw(snapshot, stage_, meter_);
+    grant(wishes);
+    chooser_.draw();
+    if (show_help_) show_help_ = drawHelp(keys_);
+    drawNotes();
+    if (recorded_) recorder_.wait();
+    recorded_ = true;
+    session_.withClay([&](const Session::ClayOnDevice& clay) {
+      recorder_.begin();
+      stage_.record(recorder_, clay, snapshot, settings_, view_.view(), window_.width(), window_.height());
+      window_.present(recorder_, stage_.picture(), panels_.insets());
+    });
+    recorder_.wait();
+    recorded_ = false;
+    std::optional<double> latency_ms;
+    if (snapshot.serial != drawn_serial_) latency_ms = 1000 * secondsBetween(snapshot.captured_at, Clock::now());
+    drawn_serial_ = snapshot.serial;
+    meter_.shown(latency_ms);
+  }
+
+  // --- input ---
+
+  void bindKeys() {
+    const auto key = [](int code, const char* shown, const char* does, std::function<void()> act) {
+      return KeyBinding{code, false, false, shown, does, std::move(act), false};
+    };
+    const auto ctrl = [](int code, bool shift, const char* shown, const char* does, std::function<void()> act,
+                         bool repeats = false) {
+      return KeyBinding{code, true, shift, shown, does, std::move(act), repeats};
+    };
+    const auto shown_only = [](const char* shown, const char* does) { return KeyBinding{0, false, false, shown, does, {}, false}; };
+    keys_ = {
+        {"Sculpt",
+         {key(GLFW_KEY_1, "1", "push", [this] { settings_.tool = Tool::kPush; }),
+          key(GLFW_KEY_2, "2", "pull", [this] { settings_.tool = Tool::kPull; }),
+          key(GLFW_KEY_3, "3", "smooth", [this] { settings_.tool = Tool::kSmooth; }),
+          shown_only("Space", "the clutch, while it is held"),
+          key(GLFW_KEY_X, "X", "symmetry left and right", [this] { settings_.symmetry.x ^= true; }),
+          key(GLFW_KEY_Y, "Y", "symmetry front and back", [this] { settings_.symmetry.y ^= true; }),
+          shown_only("Arrows", "turn the clay"),
+          key(GLFW_KEY_R, "R", "refine: the same surface, a finer cage", [this] { session_.refineClay(); })}},
+        {"Undo and files",
+         {ctrl(GLFW_KEY_Z, false, "Ctrl Z", "undo", [this] { session_.undo(); }, true),
+          ctrl(GLFW_KEY_Z, true, "Ctrl Shift Z", "redo", [this] { session_.redo(); }, true),
+          ctrl(GLFW_KEY_Y, false, "Ctrl Y", "redo", [this] { session_.redo(); }, true),
+          ctrl(GLFW_KEY_O, false, "Ctrl O", "open a document", [this] { askOpen(); }),
+          ctrl(GLFW_KEY_S, false, "Ctrl S", "save as: every edit is kept anyway", [this] { askSave(); }),
+          ctrl(GLFW_KEY_E, false, "Ctrl E", "export", [this] { askExport(true); }),
+          ctrl(GLFW_KEY_Q, false, "Ctrl Q", "leave", [this] { window_.close(); })}},
+        {"Look",
+         {shown_only("Right drag", "orbit"), shown_only("Middle drag", "pan"), shown_only("Wheel", "zoom"),
+          key(GLFW_KEY_5, "5", "front", [this] { view_.front(); }),
+          key(GLFW_KEY_6, "6", "side", [this] { view_.side(); }),
+          key(GLFW_KEY_7, "7", "top", [this] { view_.top(); }),
+          key(GLFW_KEY_F, "F", "fit the clay", [this] { view_.fit(stage_.clayCenter(), stage_.clayRadius()); }),
+          key(GLFW_KEY_HOME, "Home", "the first view again", [this] { view_.reset(); })}},
+        {"Show",
+         {key(GLFW_KEY_G, "G", "control cage", [this] { settings_.show_cage ^= true; }),
+          key(GLFW_KEY_P, "P", "data points", [this] { settings_.show_points ^= true; }),
+          key(GLFW_KEY_V, "V", "voxels", [this] { settings_.show_voxels ^= true; }),
+          key(GLFW_KEY_B, "B", "skeleton", [this] { settings_.show_skeleton ^= true; }),
+          key(GLFW_KEY_C, "C", "cameras", [this] { settings_.show_cameras ^= true; }),
+          key(GLFW_KEY_TAB, "Tab", "panels", [this] { settings_.show_panels ^= true; }),
+          key(GLFW_KEY_F1, "F1", "this help", [this] { show_help_ = !show_help_; })}}};
+    if (session_.hasRecording())
+      keys_.push_back({"Recording",
+                       {key(GLFW_KEY_BACKSPACE, "Backspace", "from the start", [this] { session_.restartTake(); }),
+                        key(GLFW_KEY_PAUSE, "Pause", "pause, go on",
+                            [this] { session_.pauseTake(paused_ = !paused_); })}});
+    else
+      keys_.push_back({"The mouse's hand",
+                       {shown_only("Left drag", "moves it"), shown_only("Shift wheel, W S", "farther, nearer"),
+                        shown_only("J L, I K, U O", "turn it"),
+                        key(GLFW_KEY_H, "H", "take it away, bring it back",
+                            [this] { mouse_hand_.present = !mouse_hand_.present; })}});
+  }
+
+  void takeInput(double step_s) {
+    const ImGuiIO& io = ImGui::GetIO();
+    const bool mouse_moved = io.MouseDelta.x != 0 || io.MouseDelta.y != 0 || io.MouseWheel != 0;
+    bool any_key = false;
+    for (const bool down : io.KeysDown) any_key = any_key || down;
+    if (mouse_moved || any_key || ImGui::IsAnyMouseDown()) last_input_ = Clock::now();
+    if (!chooser_.isOpen()) obeyKeys(keys_);
+    if (!io.WantCaptureMouse) takeMouse(io);
+    if (!io.WantTextInput && !chooser_.isOpen()) takeHeldKeys(io, step_s);
+    SessionSettings settings{settings_.tool, settings_.symmetry, settings_.clutch, false, settings_.steady};
+    settings.clutch_down = !io.WantTextInput && ImGui::IsKeyDown(settings_.clutch_key);
+    session_.set(settings);
+    if (!session_.hasRecording()) session_.setMouseHand(mouse_hand_);
+  }
+
+  void takeMouse(const ImGuiIO& io) {
+    const Vec2 drag(io.MouseDelta.x, io.MouseDelta.y);
+    const bool has_hand = !session_.hasRecording();
+    if (ImGui::IsMouseDown(1) || (!has_hand && ImGui::IsMouseDown(0))) view_.orbit(drag);
+    if (ImGui::IsMouseDown(2)) view_.pan(drag, window_.height());
+    if (has_hand && io.KeyShift)
+      mouse_hand_.world_from_hand.pretranslate(0.01 * io.MouseWheel * view_.forward());
+    else
+      view_.zoom(io.MouseWheel);
+    if (has_hand && ImGui::IsMouseDown(0)) {
+      mouse_hand_.present = true;
+      const double m = view_.metresAPixel(window_.height());
+      mouse_hand_.world_from_hand.pretranslate(m * (drag.x() * view_.right() - drag.y() * view_.up()));
+    }
+  }
+
+  void takeHeldKeys(const ImGuiIO& io, double step_s) {
+    const auto direction = [&](int more, int less) {
+      if (io.KeyCtrl) return 0.0;
+      return double(ImGui::IsKeyDown(more)) - double(ImGui::IsKeyDown(less));
+    };
+    const double about_up = direction(GLFW_KEY_RIGHT, GLFW_KEY_LEFT),
+                 about_right = direction(GLFW_KEY_DOWN, GLFW_KEY_UP);
+    const bool turning = about_up != 0 || about_right != 0;
+    if (turning || turning_clay_) {
+      const Vec3 axis = turning ? Vec3(about_up * Vec3::UnitZ() + about_right * view_.right()) : Vec3::UnitZ();
+      session_.turn(axis.normalized(), turning ? kTurnRadS * step_s : 0, !turning);
+      turning_clay_ = turning;
+    }
+    if (session_.hasRecording()) return;
+    Pose& hand = mouse_hand_.world_from_hand;
+    hand.pretranslate(0.15 * step_s * direction(GLFW_KEY_W, GLFW_KEY_S) * view_.forward());
+    const Vec3 turn = direction(GLFW_KEY_L, GLFW_KEY_J) * Vec3::UnitZ() +
+                      direction(GLFW_KEY_K, GLFW_KEY_I) * view_.right() +
+                      direction(GLFW_KEY_O, GLFW_KEY_U) * view_.forward();
+    if (turn.norm() > 0)
+      hand.linear() = Eigen::AngleAxisd(kTurnRadS * step_s, turn.normalized()).toRotationMatrix() * hand.linear();
+  }
+
+  // --- files ---
+
+  void grant(const PanelWishes& wishes) {
+    if (wishes.open) askOpen();
+    if (wishes.save_as) askSave();
+    if (wishes.export_surface || wishes.export_cage) askExport(wishes.export_surface);
+    if (wishes.import)
+      chooser_.open("Import a cage", settings_.folder, {".obj"}, false,
+                    [this](const std::filesystem::path& file) { remember(file), session_.importCage(file); });
+    if (wishes.help) show_help_ = true;
+    if (!wishes.new_clay.empty()) {
+      ClayState state;
+      state.cage = presetCage(wishes.new_clay);
+      for (Vec3& point : state.cage.points) point += session_.rig().workspace.center;
+      session_.replaceClay(state, "New " + wishes.new_clay);
+    }
+  }
+
+  void askOpen() {
+    chooser_.open("Open a document", settings_.folder, {".clay"}, false,
+                  [this](const std::filesystem::path& file) { remember(file), session_.openDocument(file); });
+  }
+  void askSave() {
+    chooser_.open("Save as", settings_.folder, {".clay"}, true,
+                  [this](const std::filesystem::path& file) { remember(file), session_.saveAs(file); });
+  }
+  void askExport(bool surface) {
+    chooser_.open(surface ? "Export the surface" : "Export the cage", settings_.folder,
+                  {".stl", ".obj", ".ply", ".glb"}, true, [this, surface](const std::filesystem::path& file) {
+                    remember(file), session_.exportMesh(file, surface);
+                  });
+  }
+  void remember(const std::filesystem::path& file) { settings_.folder = file.parent_path(); }
+
+  void openDropped(const std::filesystem::path& file) {
+    if (file.extension() == ".clay")
+      session_.openDocument(file);
+    else if (file.extension() == ".obj")
+      session_.importCage(file);
+    else
+      notes_.push_back({file.filename().string() + " is neither a document (.clay) nor a cage (.obj)", Clock::now()});
+  }
+
+  void drawNotes() {
+    for (const std::string& words : session_.takeNotes()) notes_.push_back({words, Clock::now()});
+    while (!notes_.empty() && secondsBetween(notes_.front().since, Clock::now()) > kNoteSeconds) notes_.pop_front();
+    if (notes_.empty()) return;
+    const ImVec2 size = ImGui::GetIO().DisplaySize;
+    ImGui::SetNextWindowPos(ImVec2(size.x / 2, 3 * ImGui::GetFontSize()), ImGuiCond_Always, ImVec2(0.5f, 0));
+    ImGui::Begin("##notes", nullptr,
+                 ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_AlwaysAutoResize |
+                     ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing);
+    for (const Note& note : notes_) ImGui::TextUnformatted(note.words.c_str());
+    ImGui::End();
+  }
+
+  void rememberSettings() {
+    std::tie(settings_.window_width, settings_.window_height) = window_.sizeOnScreen();
+    saveSettings(settings_);
+  }
+
+  void writeLog(const Snapshot& snapshot) {
+    if (!log_.is_open() || secondsBetween(last_log_, Clock::now()) < kLogSeconds) return;
+    last_log_ = Clock::now();
+    const DocumentView document = session_.documentView();
+    const nlohmann::ordered_json line = {{"picture_hz", meter_.pictureHz()},
+                                         {"tracking_hz", snapshot.rate_hz},
+                                         {"latency_ms", meter_.latencyMs()},
+                                         {"hand", wordFor(snapshot.trust)},
+                                         {"frame", snapshot.frame},
+                                         {"ended", snapshot.ended},
+                                         {"sculpting", snapshot.sculpting},
+                                         {"undo", document.undo_count},
+                                         {"redo", document.redo_count},
+                                         {"control_points", document.control_points},
+                                         {"data_points", document.data_points},
+                                         {"width", window_.width()},
+                                         {"height", window_.height()},
+                                         {"resident_mb", residentMegabytes()}};
+    log_ << line.dump() << std::endl;
+  }
+
+  Gpu& gpu_;
+  StudioOptions options_;
+  StudioSettings settings_;
+  Window window_;
+  Session session_;
+  Stage stage_;
+  Panels panels_;
+  ViewControl view_;
+  Recorder recorder_;
+  Meter meter_;
+  FileChooser chooser_;
+  std::vector<KeyGroup> keys_;
+  MouseHand mouse_hand_;
+  std::deque<Note> notes_;
+  std::ofstream log_;
+  bool show_help_ = false, turning_clay_ = false, paused_ = false, recorded_ = false;
+  std::uint64_t drawn_serial_ = 0;
+  Clock::time_point last_input_ = Clock::now(), last_picture_ = Clock::now(), last_log_{};
+};
+
+void runStudio(Gpu& gpu, const Session::Options& session, Document document, const StudioOptions& options) {
+  Studio(gpu, session, std::move(document), options).run();
+}
+
+}  // namespace airclay

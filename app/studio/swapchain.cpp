@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: MIT
+#include "app/studio/swapchain.h"
+
+#include <algorithm>
+
+#include "engine/error.h"
+
+namespace airclay {
+namespace {
+
+/// As bytes, not as light: the engine's pictures and the interface's colours are sRGB already.
+constexpr VkFormat kFormat = VK_FORMAT_B8G8R8A8_UNORM;
+
+void checkSurface(Gpu& gpu, VkSurfaceKHR surface) {
+  VkBool32 supported = VK_FALSE;
+  check(vkGetPhysicalDeviceSurfaceSupportKHR(gpu.physicalDevice(), gpu.queueFamily(), surface, &supported),
+        "ask about the display");
+  std::uint32_t count = 0;
+  if (supported) vkGetPhysicalDeviceSurfaceFormatsKHR(gpu.physicalDevice(), surface, &count, nullptr);
+  std::vector<VkSurfaceFormatKHR> formats(count);
+  if (supported) vkGetPhysicalDeviceSurfaceFormatsKHR(gpu.physicalDevice(), surface, &count, formats.data());
+  const bool has_format = std::any_of(formats.begin(), formats.end(),
+                                      [](const VkSurfaceFormatKHR& f) { return f.format == kFormat; });
+  if (!has_format)
+    throw Error("the device " + gpu.info().name +
+                    " cannot show pictures on this display; --headless, or another --device, would be right",
+                Fault::kDevice);
+}
+
+}  // namespace
+
+Swapchain::Swapchain(Gpu& gpu, VkSurfaceKHR surface) : gpu_(gpu), surface_(surface) {
+  checkSurface(gpu, surface);
+  makeRenderPass();
+  ready_ = makeSemaphore();
+}
+
+Swapchain::~Swapchain() {
+  gpu_.waitIdle();
+  destroyImages();
+  vkDestroySwapchainKHR(gpu_.device(), swapchain_, nullptr);
+  vkDestroySemaphore(gpu_.device(), ready_, nullptr);
+  vkDestroyRenderPass(gpu_.device(), render_pass_, nullptr);
+  vkDestroySurfaceKHR(gpu_.instance(), surface_, nullptr);
+}
+
+VkSemaphore Swapchain::makeSemaphore() {
+  const VkSemaphoreCreateInfo info{VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
+  VkSemaphore semaphore;
+  check(vkCreateSemaphore(gpu_.device(), &info, nullptr, &semaphore), "make a semaphore");
+  return semaphore;
+}
+
+void Swapchain::makeRenderPass() {
+  VkAttachmentDescription color{};
+  color.format = kFormat;
+  color.samples = VK_SAMPLE_COUNT_1_BIT;
+  color.loadOp = VK_ATTACHMENT_LOAD_OP_LOAD;
+  color.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
+  color.stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
+  color.stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
+  color.initialLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
+  color.finalLayout = VK_IMAGE_LAYOUT_PRESENT_SRC_KHR;
+  const VkAttachmentReference reference{0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
+  VkSubpassDescription subpass{};
+  subpass.pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS;
+  subpass.colorAttachmentCount = 1;
+  subpass.pColorAttachments = &reference;
+  VkRenderPassCreateInfo info{VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO};
+  info.attachmentCount = 1;
+  info.pAttachments = &color;
+  info.subpassCount = 1;
+  info.pSubpasses = &subpass;
+  check(vkCreateRenderPass(gpu_.device(), &info, nullptr, &render_pass_), "make a render pass");
+}
+
+void Swapchain::destroyImages() {
+  for (const Shown& shown : images_) {
+    vkDestroyFramebuffer(gpu_.device(), shown.framebuffer, nullptr);
+    vkDestroyImageView(gpu_.device(), shown.view, nullptr);
+    vkDestroySemaphore(gpu_.device(), shown.drawn, nullptr);
+  }
+  images_.clear();
+}
+
+void Swapchain::resize(std::uint32_t width, std::uint32_t height) {
+  gpu_.waitIdle();
+  destroyImages();
+  VkSurfaceCapabilitiesKHR can;
+  check(vkGetPhysicalDeviceSurfaceCapabilitiesKHR(gpu_.physicalDevice(), surface_, &can), "ask about the window");
+  extent_ = {std::clamp(width, can.minImageExtent.width, std::max(can.maxImageExtent.width, 1u)),
+             std::clamp(height, can.minImageExtent.height, std::max(can.maxImageExtent.height, 1u))};
+  VkSwapchainCreateInfoKHR info{VK_STRUCTURE_TYPE_SWAPCHAIN_CREATE_INFO_KHR};
+  info.surface = surface_;
+  info.minImageCount = std::max(2u, can.minImageCount);
+  if (can.maxImageCount > 0) info.minImageCount = std::min(info.minImageCount, can.maxImageCount);
+  info.imageFormat = kFormat;
+  info.imageColorSpace = VK_COLOR_SPACE_SRGB_NONLINEAR_KHR;
+  info.imageExtent = extent_;
+  info.imageArrayLayers = 1;
+  info.imageUsage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+  info.preTransform = can.currentTransform;
+  info.compositeAlpha = VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR;
+  info.presentMode = VK_PRESENT_MODE_FIFO_KHR;
+  info.clipped = VK_TRUE;
+  info.oldSwapchain = swapchain_;
+  VkSwapchainKHR made = VK_NULL_HANDLE;
+  check(vkCreateSwapchainKHR(gpu_.device(), &info, nullptr, &made), "make the window's images");
+  vkDestroySwapchainKHR(gpu_.device(), swapchain_, nullptr);
+  swapchain_ = made;
+
+  std::uint32_t count = 0;
+  check(vkGetSwapchainImagesKHR(gpu_.device(), swapchain_, &count, nullptr), "make the window's images");
+  std::vector<VkImage> images(count);
+  check(vkGetSwapchainImagesKHR(gpu_.device(), swapchain_, &count, images.data()), "make the window's images");
+  for (VkImage image : images) {
+    Shown& shown = images_.emplace_back();
+    shown.image = image;
+    VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
+    view.image = image;
+    view.viewType = VK_IMAGE_VIEW_TYPE_2D;
+    view.format = kFormat;
+    view.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+    check(vkCreateImageView(gpu_.device(), &view, nullptr, &shown.view), "make an image's view");
+    VkFramebufferCreateInfo framebuffer{VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO};
+    framebuffer.renderPass = render_pass_;
+    framebuffer.attachmentCount = 1;
+    framebuffer.pAttachments = &shown.view;
+    framebuffer.width = extent_.width;
+    framebuffer.height = extent_.height;
+    framebuffer.layers = 1;
+    check(vkCreateFramebuffer(gpu_.device(), &framebuffer, nullptr, &shown.framebuffer), "make a framebuffer");
+    shown.drawn = makeSemaphore();
+  }
+}
+
+std::optional<Swapchain::Target> Swapchain::acquire() {
+  if (images_.empty()) return std::nullopt;
+  Target target;
+  const VkResult result =
+      vkAcquireNextImageKHR(gpu_.device(), swapchain_, UINT64_MAX, ready_, VK_NULL_HANDLE, &target.index);
+  if (result == VK_ERROR_OUT_OF_DATE_KHR) return std::nullopt;
+  if (result != VK_SUBOPTIMAL_KHR) check(result, "draw in the window");
+  const Shown& shown = images_[target.index];
+  target.image = shown.image;
+  target.framebuffer = shown.framebuffer;
+  target.ready = ready_;
+  target.drawn = shown.drawn;
+  return target;
+}
+
+bool Swapchain::show(const Target& target) {
+  VkPresentInfoKHR info{VK_STRUCTURE_TYPE_PRESENT_INFO_KHR};
+  info.waitSemaphoreCount = 1;
+  info.pWaitSemaphores = &target.drawn;
+  info.swapchainCount = 1;
+  info.pSwapchains = &swapchain_;
+  info.pImageIndices = &target.index;
+  const std::lock_guard lock(gpu_.queueMutex());
+  const VkResult result = vkQueuePresentKHR(gpu_.queue(), &info);
+  if (result == VK_ERROR_OUT_OF_DATE_KHR || result == VK_SUBOPTIMAL_KHR) return false;
+  check(result, "show the picture");
+  return true;
+}
+
+}  // namespace airclay

@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: MIT
+#include "app/studio/window.h"
+
+// GLFW declares its Vulkan functions when it sees Vulkan's header, which gpu.h has included.
+#include <GLFW/glfw3.h>
+#include <imgui/backends/imgui_impl_glfw.h>
+#include <imgui/backends/imgui_impl_vulkan.h>
+#include <imgui/imgui.h>
+
+#include <cstdlib>
+
+#include "app/studio/look.h"
+#include "app/studio/swapchain.h"
+#include "engine/error.h"
+#include "engine/gpu/one_time.h"
+
+namespace airclay {
+namespace {
+
+std::string last_glfw_fault;
+
+void glfwFault(int, const char* words) {
+  last_glfw_fault = words;
+}
+
+/// GLFW, for as long as there is a window.
+struct Glfw {
+  Glfw() {
+    glfwSetErrorCallback(glfwFault);
+    if (!glfwInit())
+      throw Error("no window can be opened (" + last_glfw_fault + "); --headless works without a display",
+                  Fault::kDevice);
+  }
+  ~Glfw() { glfwTerminate(); }
+};
+
+VkDescriptorPool makeDescriptorPool(Gpu& gpu) {
+  // Dear ImGui's only texture is that of its letters
+  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1};
+  VkDescriptorPoolCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
+  info.maxSets = 1;
+  info.poolSizeCount = 1;
+  info.pPoolSizes = &size;
+  VkDescriptorPool pool;
+  check(vkCreateDescriptorPool(gpu.device(), &info, nullptr, &pool), "make a descriptor pool");
+  return pool;
+}
+
+void transition(VkCommandBuffer commands, VkImage image, VkImageLayout from, VkImageLayout to) {
+  VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
+  barrier.srcStageMask = barrier.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+  barrier.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
+  barrier.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
+  barrier.oldLayout = from;
+  barrier.newLayout = to;
+  barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+  barrier.image = image;
+  barrier.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+  VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+  dependency.imageMemoryBarrierCount = 1;
+  dependency.pImageMemoryBarriers = &barrier;
+  vkCmdPipelineBarrier2(commands, &dependency);
+}
+
+void fillWith(VkCommandBuffer commands, Image& picture, VkImage image, VkExtent2D extent) {
+  picture.transition(commands, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, true);
+  VkImageBlit region{};
+  region.srcSubresource = region.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+  region.srcOffsets[1] = {static_cast<int>(picture.width()), static_cast<int>(picture.height()), 1};
+  region.dstOffsets[1] = {static_cast<int>(extent.width), static_cast<int>(extent.height), 1};
+  const bool same = picture.width() == extent.width && picture.height() == extent.height;
+  vkCmdBlitImage(commands, picture.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, image,
+                 VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region, same ? VK_FILTER_NEAREST : VK_FILTER_LINEAR);
+}
+
+void lay(VkCommandBuffer commands, const Inset& inset, VkImage image, VkExtent2D extent) {
+  const int width = std::min(inset.width, static_cast<int>(extent.width) - inset.left);
+  const int height = std::min(inset.height, static_cast<int>(extent.height) - inset.top);
+  if (inset.left < 0 || inset.top < 0 || width <= 0 || height <= 0) return;
+  VkBufferImageCopy region{};
+  region.bufferOffset = inset.pixels->raw().offset() + 4 * inset.first;
+  region.bufferRowLength = static_cast<std::uint32_t>(inset.width);
+  region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+  region.imageOffset = {inset.left, inset.top, 0};
+  region.imageExtent = {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), 1};
+  vkCmdCopyBufferToImage(commands, inset.pixels->raw().handle(), image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
+                         &region);
+}
+
+}  // namespace
+
+struct Window::Parts {
+  explicit Parts(Gpu& device) : gpu(device) {}
+  ~Parts() {
+    if (swapchain) gpu.waitIdle();
+    if (toolkit_on_device) ImGui_ImplVulkan_Shutdown();
+    if (toolkit_on_window) ImGui_ImplGlfw_Shutdown();
+    if (context) ImGui::DestroyContext(context);
+    swapchain.reset();
+    if (descriptors) vkDestroyDescriptorPool(gpu.device(), descriptors, nullptr);
+    if (window) glfwDestroyWindow(window);
+  }
+
+  Gpu& gpu;
+  Glfw glfw;
+  GLFWwindow* window = nullptr;
+  std::unique_ptr<Swapchain> swapchain;
+  VkDescriptorPool descriptors = VK_NULL_HANDLE;
+  ImGuiContext* context = nullptr;
+  bool toolkit_on_window = false, toolkit_on_device = false;
+  std::optional<Swapchain::Target> target;
+  bool changed = true;  ///< the window's size
+  std::vector<std::filesystem::path> dropped;
+  double scale = 1;
+
+  VkExtent2D pixels() const {
+    int width = 0, height = 0;
+    glfwGetFramebufferSize(window, &width, &height);
+    if (glfwGetWindowAttrib(window, GLFW_ICONIFIED)) width = height = 0;
+    return {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)};
+  }
+
+  void open(const Options& options) {
+    glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
+    window = glfwCreateWindow(options.width, options.height, options.title.c_str(), nullptr, nullptr);
+    if (!window)
+      throw Error("no window can be opened (" + last_glfw_fault + "); --headless works without a display",
+                  Fault::kDevice);
+    glfwSetWindowSizeLimits(window, 640, 400, GLFW_DONT_CARE, GLFW_DONT_CARE);
+    glfwSetWindowUserPointer(window, this);
+    glfwSetFramebufferSizeCallback(window, [](GLFWwindow* w, int, int) {
+      static_cast<Parts*>(glfwGetWindowUserPointer(w))->changed = true;
+    });
+    glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
+      auto& files = static_cast<Parts*>(glfwGetWindowUserPointer(w))->dropped;
+      files.insert(files.end(), paths, paths + count);
+    });
+    float horizontal = 1, vertical = 1;
+    glfwGetWindowContentScale(window, &horizontal, &vertical);
+    scale = std::clamp(double(horizontal), 1.0, 4.0);
+    VkSurfaceKHR surface;
+    check(glfwCreateWindowSurface(gpu.instance(), window, nullptr, &surface), "open the window for Vulkan");
+    swapchain = std::make_unique<Swapchain>(gpu, surface);
+    fit();
+    startToolkit();
+  }
+
+  void fit() {
+    const VkExtent2D size = pixels();
+    if (size.width == 0 || size.height == 0) return;
+    swapchain->resize(size.width, size.height);
+    changed = false;
+  }
+
+  void startToolkit() {
+    context = ImGui::CreateContext();
+    ImGui::GetIO().IniFilename = nullptr;  // what is remembered, the studio's settings remember
+    dressUp(scale);
+    toolkit_on_window = ImGui_ImplGlfw_InitForVulkan(window, true);
+    descriptors = makeDescriptorPool(gpu);
+    ImGui_ImplVulkan_InitInfo info{};
+    info.Instance = gpu.instance();
+    info.PhysicalDevice = gpu.physicalDevice();
+    info.Device = gpu.device();
+    info.QueueFamily = gpu.queueFamily();
+    info.Queue = gpu.queue();
+    info.DescriptorPool = descriptors;
+    info.MinImageCount = 2;
+    info.ImageCount = std::max(2u, swapchain->imageCount());
+    info.MSAASamples = VK_SAMPLE_COUNT_1_BIT;
+    info.CheckVkResultFn = [](VkResult result) { check(result, "draw the interface"); };
+    toolkit_on_device = ImGui_ImplVulkan_Init(&info, swapchain->renderPass());
+    submitOnce(gpu, [](VkCommandBuffer commands) { ImGui_ImplVulkan_CreateFontsTexture(commands); });
+    ImGui_ImplVulkan_DestroyFontUploadObjects();
+  }
+};
+
+bool Window::possible() {
+  const char* x = std::getenv("DISPLAY");
+  const char* wayland = std::getenv("WAYLAND_DISPLAY");
+  return (x && *x) || (wayland && *wayland);
+}
+
+Window::Window(Gpu& gpu, const Options& options) : parts_(std::make_unique<Parts>(gpu)) {
+  parts_->open(options);
+}
+Window::~Window() = default;
+
+GLFWwindow* Window::handle() const {
+  return parts_->window;
+}
+
+void Window::setTitle(const std::string& title) {
+  glfwSetWindowTitle(parts_->window, title.c_str());
+}
+
+void Window::poll(double wait_s) {
+  if (wait_s > 0)
+    glfwWaitEventsTimeout(wait_s);
+  else
+    glfwPollEvents();
+}
+
+bool Window::closing() const {
+  return glfwWindowShouldClose(parts_->window);
+}
+void Window::close() {
+  glfwSetWindowShouldClose(parts_->window, GLFW_TRUE);
+}
+void Window::closeLater() {
+  glfwSetWindowShouldClose(parts_->window, GLFW_FALSE);
+}
+
+std::vector<std::filesystem::path> Window::takeDropped() {
+  return std::exchange(parts_->dropped, {});
+}
+
+int Window::width() const {
+  return static_cast<int>(parts_->pixels().width);
+}
+int Window::height() const {
+  return static_cast<int>(parts_->pixels().height);
+}
+double Window::scale() const {
+  return parts_->scale;
+}
+std::pair<int, int> Window::sizeOnScreen() const {
+  int width = 0, height = 0;
+  glfwGetWindowSize(parts_->window, &width, &height);
+  return {width, height};
+}
+
+bool Window::begin() {
+  const VkExtent2D size = parts_->pixels();
+  if (size.width == 0 || size.height == 0) return false;
+  if (parts_->changed) parts_->fit();
+  parts_->target = parts_->swapchain->acquire();
+  if (!parts_->target) {
+    parts_->fit();
+    parts_->target = parts_->swapchain->acquire();
+    if (!parts_->target) return false;  // it changes again: the next picture
+  }
+  ImGui_ImplVulkan_NewFrame();
+  ImGui_ImplGlfw_NewFrame();
+  ImGui::NewFrame();
+  return true;
+}
+
+void Window::present(Recorder& recorder, Image& picture, std::span<const Inset> insets) {
+  ImGui::Render();
+  const Swapchain::Target target = *parts_->target;
+  const VkExtent2D extent = parts_->swapchain->extent();
+  std::vector<Access> accesses;
+  for (const Inset& inset : insets) accesses.push_back({inset.pixels->raw().address(), true, false});
+  recorder.stage("picture: window");
+  VkCommandBuffer commands = recorder.commandsFor("window", accesses);
+  transition(commands, target.image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+  fillWith(commands, picture, target.image, extent);
+  if (!insets.empty())
+    transition(commands, target.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+  for (const Inset& inset : insets) lay(commands, inset, target.image, extent);
+  transition(commands, target.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+
+  VkRenderPassBeginInfo pass{VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO};
+  pass.renderPass = parts_->swapchain->renderPass();
+  pass.framebuffer = target.framebuffer;
+  pass.renderArea.extent = extent;
+  vkCmdBeginRenderPass(commands, &pass, VK_SUBPASS_CONTENTS_INLINE);
+  ImGui_ImplVulkan_RenderDrawData(ImGui::GetDrawData(), commands);
+  vkCmdEndRenderPass(commands);
+
+  VkSemaphoreSubmitInfo ready{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO};
+  ready.semaphore = target.ready;
+  ready.stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+  VkSemaphoreSubmitInfo drawn = ready;
+  drawn.semaphore = target.drawn;
+  recorder.submit(&ready, &drawn);
+  if (!parts_->swapchain->show(target)) parts_->changed = true;
+}
+
+}  // namespace airclay
