@@ -402,11 +402,11 @@ StageTiming timeClay(Scene& scene) {
     clay.setControlPoints(cage.points);
     put(away);
     recorder.begin();
-    sculptor.record(recorder, hand_at, true);
+    sculptor.record(recorder, hand_at);
     recorder.submitAndWait();
     put(deep);
   };
-  stage.record = [&](Recorder& r) { sculptor.record(r, hand_at, true); };
+  stage.record = [&](Recorder& r) { sculptor.record(r, hand_at); };
   StageTiming timing = timeStage(scene.gpu, stage);
   if (sculptor.step().touched == 0)
     throw Error("bench: the hand did not touch the clay in frame " + std::to_string(deep) + "; it should");

@@ -11,6 +11,7 @@ Clay::Clay(Gpu& gpu, const ClayOptions& options, const Vec3& workspace_center)
       workspace_center_(workspace_center),
       cage_faces_(options.cage.faces),
       solve_rows_(options.solve),
+      levels_(options.levels),
       subdivision_(subdivide(options.cage, options.levels, options.rule)),
       evaluator_(gpu, subdivision_),
       exact_points_(gpu, 3 * options.cage.points.size()),

@@ -19,6 +19,8 @@ class Clay {
 
   const Subdivision& subdivision() const { return subdivision_; }
   SolveRows solveRows() const { return solve_rows_; }
+  int levels() const { return levels_; }
+  const std::vector<std::vector<int>>& cageFaces() const { return cage_faces_; }
   int controlPointCount() const { return static_cast<int>(subdivision_.matrix.cols()); }
   int dataPointCount() const { return static_cast<int>(subdivision_.matrix.rows()); }
 
@@ -52,6 +54,7 @@ class Clay {
   Vec3 workspace_center_;
   std::vector<std::vector<int>> cage_faces_;
   SolveRows solve_rows_;
+  int levels_;
   Subdivision subdivision_;
   SurfaceEvaluator evaluator_;
   Buffer<double> exact_points_;

@@ -28,6 +28,7 @@
 #include "engine/distance_grid.h"
 #include "engine/gpu/kernel.h"
 #include "engine/gpu/recorder.h"
+#include "engine/symmetry.h"
 #include "shaders/contact_io.h"
 
 namespace airclay {
@@ -35,25 +36,32 @@ namespace airclay {
 /// The hand's distances for contact_find: 2.5 mm cells, 30 mm around it, about the solid's centre of gravity.
 DistanceGrid contactGrid(const TriangleMesh& skin);
 
-/// Finds contact on the GPU, and keeps what is known of each data point from frame to frame.
-class ContactFinder {
+/// What all tools share of a frame on the GPU: where the hand was and is, how the repeats go, and what is
+/// wanted of the solve.
+class ContactFrame {
  public:
-  /// `hand` is about the centre of gravity, axes of the hand's frame. `solve_groups` are the workgroups of
-  /// the solve that the repeats dispatch.
-  ContactFinder(Gpu& gpu, const DistanceGrid& hand, std::uint32_t data_point_count,
-                std::uint32_t project_groups = 0, std::uint32_t apply_groups = 0);
+  /// `hand` is about the centre of gravity, axes of the hand's frame. `project_groups` and `apply_groups` are
+  /// the workgroups of the solve that the repeats dispatch.
+  ContactFrame(Gpu& gpu, const DistanceGrid& hand, std::uint32_t data_point_count,
+               std::uint32_t project_groups, std::uint32_t apply_groups);
 
-  /// Starts a frame and checks it: element 0 of `fit` is the hand, `held` the clutch.
-  void recordFrame(Recorder& recorder, const Buffer<GpuFit>& fit, bool held, const Buffer<vec3>& data_points);
-  /// Records the displacements wanted, when the frame is not done.
-  void recordPush(Recorder& recorder);
-  /// The check after the data points have moved, when the frame is not done.
-  void recordCheck(Recorder& recorder, const Buffer<vec3>& data_points);
+  /// Starts a frame: element 0 of `fit` is the hand, `held` the clutch. `images` of each data point are
+  /// looked at in workgroups of their own.
+  void recordBegin(Recorder& recorder, const Buffer<GpuFit>& fit, bool held, std::uint32_t images = 1);
+  /// The next frame starts anew, as if tracking began.
+  void forget() { forget_ = true; }
 
+  const Buffer<GpuContactFrame>& state() const { return state_; }
   /// One a data point, in the workspace, metres; zero where nothing is wanted.
   const Buffer<vec3>& displacements() const { return displacements_; }
+  std::uint32_t dataPointCount() const { return static_cast<std::uint32_t>(displacements_.count()); }
+  HandDistances hand() const;
+  /// For a check that ends the repeats at `wanted_m`, or after so many.
+  ContactDecision decision(float wanted_m, std::uint32_t max_repeats) const;
+
   /// The groups of what a repeat dispatches: 0 when the frame is done.
-  const RawBuffer& groups() const { return frame_.raw(); }
+  const RawBuffer& groups() const { return state_.raw(); }
+  static constexpr std::uint64_t kFindGroups = offsetof(GpuContactFrame, find_groups);
   static constexpr std::uint64_t kPointGroups = offsetof(GpuContactFrame, point_groups);
   static constexpr std::uint64_t kProjectGroups = offsetof(GpuContactFrame, project_groups);
   static constexpr std::uint64_t kApplyGroups = offsetof(GpuContactFrame, apply_groups);
@@ -62,27 +70,56 @@ class ContactFinder {
 
   /// Of the last submission.
   const GpuContactSummary& summary() const { return summary_.host()[0]; }
-  GpuContactFrame frame() const { return frame_.download()[0]; }
+
+ private:
+  DistanceGrid grid_;  ///< without its values
+  ContactGroups groups_;
+  bool forget_ = true;
+  Kernel<ContactBeginArgs> begin_;
+  Buffer<float> distances_;
+  Buffer<GpuContactFrame> state_;
+  Buffer<GpuContactSummary> summary_;
+  Buffer<vec3> displacements_;
+};
+
+/// Finds contact on the GPU, and keeps what is known of each data point from frame to frame: the tool *push*.
+class ContactFinder {
+ public:
+  /// As ContactFrame.
+  ContactFinder(Gpu& gpu, const DistanceGrid& hand, std::uint32_t data_point_count,
+                std::uint32_t project_groups = 0, std::uint32_t apply_groups = 0);
+
+  /// The images of the hand (engine/symmetry.h). When they change, the next frame starts anew. \pre nothing
+  /// recorded before is still running
+  void setMirrors(std::uint32_t mirrors);
+  std::uint32_t mirrors() const { return mirrors_; }
+
+  /// Starts a frame and checks it: element 0 of `fit` is the hand, `held` the clutch.
+  void recordFrame(Recorder& recorder, const Buffer<GpuFit>& fit, bool held, const Buffer<vec3>& data_points);
+  /// Records the displacements wanted, when the frame is not done.
+  void recordPush(Recorder& recorder);
+  /// The check after the data points have moved, when the frame is not done.
+  void recordCheck(Recorder& recorder, const Buffer<vec3>& data_points);
+
+  ContactFrame& shared() { return frame_; }
+  const ContactFrame& shared() const { return frame_; }
+  const Buffer<vec3>& displacements() const { return frame_.displacements(); }
+  const GpuContactSummary& summary() const { return frame_.summary(); }
+  GpuContactFrame frame() const { return frame_.state().download()[0]; }
+  /// Those of image 0 first.
   std::vector<GpuContactPoint> points() const { return points_.download(); }
-  /// The next frame starts anew, as if tracking began.
-  void forget() { forget_ = true; }
+  void forget() { frame_.forget(); }
 
  private:
   void recordFind(Recorder& recorder, const Buffer<vec3>& data_points, bool first);
 
-  DistanceGrid grid_;  ///< without its values
-  std::uint32_t data_point_count_;
-  ContactGroups groups_;
-  bool forget_ = true;
-  Kernel<ContactBeginArgs> begin_;
+  Gpu& gpu_;
+  ContactFrame frame_;
+  std::uint32_t mirrors_ = 0;
   Kernel<ContactFindArgs> find_;
   Kernel<ContactCheckArgs> check_;
   Kernel<ContactPushArgs> push_;
-  Buffer<float> distances_;
   Buffer<GpuContactPoint> points_;
-  Buffer<GpuContactFrame> frame_;
-  Buffer<GpuContactSummary> summary_;
-  Buffer<vec3> displacements_;
 };
 
 /// The twin of contact_find, for one data point, serial, in double precision.

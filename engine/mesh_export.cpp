@@ -32,7 +32,7 @@ struct Solid {
 void checkExportable(const PolygonMesh& mesh, const std::string& where) {
   if (mesh.faces.empty()) throw Error(where + ": there is no face to write");
   for (std::size_t i = 0; i < mesh.points.size(); ++i)
-    if (!(mesh.points[i].cwiseAbs().maxCoeff() <= kMaxCoordinate_m))
+    if (!(mesh.points[i].array().abs() <= kMaxCoordinate_m).all())
       throw Error(where + ": point " + std::to_string(i + 1) +
                   " lies beyond 1,000 km or nowhere; coordinates are metres");
   for (std::size_t i = 0; i < mesh.faces.size(); ++i)

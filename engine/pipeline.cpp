@@ -24,23 +24,28 @@ void addStages(const Recorder& recorder, StageTimes& total) {
   }
 }
 
+double millisecondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
 }  // namespace
 
 struct Pipeline::Parts {
-  Parts(Gpu& gpu, const Rig& rig, const HandModel& hand_model, const PipelineOptions& options,
+  Parts(Gpu& gpu_, const Rig& rig, const HandModel& hand_model, const PipelineOptions& options,
         const std::optional<ClayOptions>& clay_options)
-      : hand(hand_model),
+      : gpu(gpu_),
+        hand(hand_model),
         gpu_rig(gpu, rig),
         pictures(gpu, gpu_rig.pictureWords(), Memory::kHost),
         silhouettes(gpu, gpu_rig),
         carver(gpu, gpu_rig, options.voxels),
         tracker(gpu, gpu_rig, hand, carver),
+        given_hand(gpu, 1, Memory::kHost),
         recorder(gpu) {
-    if (!clay_options) return;
-    clay = std::make_unique<Clay>(gpu, *clay_options, rig.workspace.center);
-    sculptor = std::make_unique<Sculptor>(gpu, *clay, hand);
+    setClay(clay_options);
   }
 
+  Gpu& gpu;
   HandModel hand;
   GpuRig gpu_rig;
   Buffer<std::uint32_t> pictures;
@@ -49,7 +54,22 @@ struct Pipeline::Parts {
   HandTracker tracker;
   std::unique_ptr<Clay> clay;
   std::unique_ptr<Sculptor> sculptor;
+  std::optional<DistanceGrid> contact_grid;  ///< of the hand, once there is clay
+  Buffer<GpuFit> given_hand;
+  bool hand_was_given = false;  ///< in the last frame
   Recorder recorder;
+
+  void setClay(const std::optional<ClayOptions>& options) {
+    std::unique_ptr<Clay> new_clay;
+    std::unique_ptr<Sculptor> new_sculptor;
+    if (options) {
+      if (!contact_grid) contact_grid = contactGrid(hand.skin);
+      new_clay = std::make_unique<Clay>(gpu, *options, gpu_rig.rig().workspace.center);
+      new_sculptor = std::make_unique<Sculptor>(gpu, *new_clay, *contact_grid);
+    }
+    sculptor = std::move(new_sculptor);  // before the clay that it refers to goes
+    clay = std::move(new_clay);
+  }
 
   /// From what is seen to the voxel model. The masks are there already, or come from the pictures.
   void recordHull(bool from_pictures) {
@@ -65,12 +85,22 @@ struct Pipeline::Parts {
   }
 
   /// From the voxel model to the new surface.
-  void recordHandAndClay(bool held) {
+  void recordHandAndClay(const SculptControls& controls) {
     recorder.stage("fit");
     tracker.recordTracking(recorder);
+    recordClay(tracker.result(), controls);
+  }
+
+  void recordClay(const Buffer<GpuFit>& fit, const SculptControls& controls) {
     if (!sculptor) return;
     recorder.stage("clay");
-    sculptor->record(recorder, tracker.result(), held);
+    sculptor->record(recorder, fit, controls);
+  }
+
+  /// Whether the hand of this frame is given or tracked: its way from the one to the other is not known.
+  void takeHandFrom(bool given) {
+    if (given != hand_was_given && sculptor) sculptor->forget();
+    hand_was_given = given;
   }
 
   void submit(FrameResult& result) {
@@ -79,13 +109,14 @@ struct Pipeline::Parts {
   }
 
   /// The whole line. A frame whose last pose holds is one submission; a search has several of its own.
-  FrameResult process(bool from_pictures, bool held) {
+  FrameResult process(bool from_pictures, const SculptControls& controls) {
     FrameResult result;
     const auto start = std::chrono::steady_clock::now();
+    takeHandFrom(false);
     const bool following = tracker.hasPose();
     recorder.begin();
     recordHull(from_pictures);
-    if (following) recordHandAndClay(held);
+    if (following) recordHandAndClay(controls);
     submit(result);
 
     if (following) result.fit = tracker.finish();
@@ -93,7 +124,7 @@ struct Pipeline::Parts {
       result.searched = tracker.search(recorder, result.stage_ms);
       if (result.searched) {
         recorder.begin();
-        recordHandAndClay(held);
+        recordHandAndClay(controls);
         submit(result);
         result.fit = tracker.finish();
       }
@@ -102,8 +133,25 @@ struct Pipeline::Parts {
     result.hand = tracker.isEmpty()    ? HandState::kEmpty
                   : result.fit.tracked ? HandState::kTracked
                                        : HandState::kLost;
-    result.frame_ms =
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    result.frame_ms = millisecondsSince(start);
+    return result;
+  }
+
+  FrameResult sculptWith(const Pose& world_from_hand, const SculptControls& controls) {
+    FrameResult result;
+    const auto start = std::chrono::steady_clock::now();
+    takeHandFrom(true);
+    result.hand = HandState::kTracked;
+    result.fit.world_from_hand = world_from_hand;
+    result.fit.tracked = true;
+    result.fit.outside_fraction = 0;
+    given_hand.host()[0] = fitFromPose(world_from_hand, tracker.model(), gpu_rig.rig().workspace);
+    given_hand.host()[0].tracked = 1;
+    recorder.begin();
+    recordClay(given_hand, controls);
+    submit(result);
+    finishClay(result);
+    result.frame_ms = millisecondsSince(start);
     return result;
   }
 
@@ -149,13 +197,21 @@ void Pipeline::learnBackground() {
   parts_->recorder.submitAndWait();
 }
 
-FrameResult Pipeline::processPictures(bool held) {
-  return parts_->process(true, held);
+FrameResult Pipeline::processPictures(const SculptControls& controls) {
+  return parts_->process(true, controls);
 }
 
-FrameResult Pipeline::processMasks(const std::vector<Mask>& masks, bool held) {
+FrameResult Pipeline::processMasks(const std::vector<Mask>& masks, const SculptControls& controls) {
   parts_->takeMasks(masks);
-  return parts_->process(false, held);
+  return parts_->process(false, controls);
+}
+
+FrameResult Pipeline::sculptWith(const Pose& world_from_hand, const SculptControls& controls) {
+  return parts_->sculptWith(world_from_hand, controls);
+}
+
+void Pipeline::setClay(const std::optional<ClayOptions>& clay) {
+  parts_->setClay(clay);
 }
 
 void Pipeline::hullFromPictures() {

@@ -17,6 +17,7 @@
 #include "engine/silhouette.h"
 #include "engine/solve.h"
 #include "engine/subdivide.h"
+#include "engine/tools.h"
 
 namespace airclay {
 
@@ -40,9 +41,9 @@ enum class HandState {
 
 /// What became of the clay in a frame.
 struct ClayStep {
-  int touched = 0;           ///< data points that the hand has reached
+  int touched = 0;           ///< data points that the tool has to do with; *push* counts each image's
   int repeats = 0;           ///< of contact and solve
-  double penetration_m = 0;  ///< what is left of it
+  double penetration_m = 0;  ///< what is left of it; with *pull* how far a held point lags behind
 };
 
 struct FrameResult {
@@ -69,14 +70,23 @@ class Pipeline {
   std::span<std::uint8_t> picture(std::size_t camera);
   /// The pictures now in memory show the empty workspace.
   void learnBackground();
-  /// The pictures now in memory, through all stages. `held` is the clutch: false leaves the clay alone.
+  /// The pictures now in memory, through all stages.
   /// \pre learnBackground() was called
-  FrameResult processPictures(bool held = true);
+  FrameResult processPictures(const SculptControls& controls = {});
   /// The same from masks that are used as they are, one a camera.
-  FrameResult processMasks(const std::vector<Mask>& masks, bool held = true);
+  FrameResult processMasks(const std::vector<Mask>& masks, const SculptControls& controls = {});
+  /// A frame without cameras: the hand is where the caller says, and only the clay's stage runs. The tracker
+  /// is left alone. Between such a frame and one with cameras the hand's way is not known, so the clay
+  /// doesn't move in the first of either. \pre made with clay
+  FrameResult sculptWith(const Pose& world_from_hand, const SculptControls& controls = {});
   /// Silhouettes and voxel model alone, of the pictures in memory or of masks.
   void hullFromPictures();
   void hullFromMasks(const std::vector<Mask>& masks);
+
+  /// Replaces the clay, or takes it away; references to the old one hold no more. The tracker goes on. For
+  /// other control points of the same cage Clay::setControlPoints() does. \throw Error as Clay, and the old
+  /// clay stays.
+  void setClay(const std::optional<ClayOptions>& clay);
 
   /// Forgets the hand: the next frame searches again.
   void forgetHand();

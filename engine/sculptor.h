@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The hand sculpts the clay: contact, solve and subdivision, repeated within a frame until the surface has
-// come out of the hand.
+// come out of the hand, or followed it.
 #pragma once
 
 #include <memory>
@@ -8,8 +8,11 @@
 
 #include "engine/clay.h"
 #include "engine/contact.h"
+#include "engine/grip.h"
 #include "engine/hand_model.h"
 #include "engine/pipeline.h"
+#include "engine/relax.h"
+#include "engine/tools.h"
 
 namespace airclay {
 
@@ -19,10 +22,13 @@ namespace airclay {
 class Sculptor {
  public:
   Sculptor(Gpu& gpu, Clay& clay, const HandModel& hand);
+  /// With the hand's contactGrid(), which takes a while to make.
+  Sculptor(Gpu& gpu, Clay& clay, const DistanceGrid& hand);
 
-  /// Records a frame: element 0 of `fit` is where the hand is, `held` the clutch. The clay moves only where
-  /// the hand was tracked and held in this frame and the last.
-  void record(Recorder& recorder, const Buffer<GpuFit>& fit, bool held);
+  /// Records a frame: element 0 of `fit` is where the hand is. The clay moves only where the hand was tracked
+  /// and held in this frame and the last, with the same tool and symmetry. \pre nothing recorded before is
+  /// still running
+  void record(Recorder& recorder, const Buffer<GpuFit>& fit, const SculptControls& controls = {});
   /// After the submission: whether finishOnHost() has work to do.
   bool needsHost() const;
   /// The repeats of kTouched. \pre the recorder's submission is done
@@ -34,12 +40,22 @@ class Sculptor {
 
  private:
   bool onDevice() const { return solver_.has_value(); }
+  void takeControls(const SculptControls& controls);
+  void recordFirstCheck(Recorder& recorder, const Buffer<GpuFit>& fit);
+  void recordWanted(Recorder& recorder);
+  void recordCheck(Recorder& recorder);
+  std::vector<Vec3> wantedOnHost(std::vector<int>& rows) const;
+  std::vector<Vec3> pushesOnHost(std::vector<int>& rows) const;
   void moveControlPoints();
 
   Clay& clay_;
   std::optional<ControlPointSolver> solver_;       ///< kAll
   std::optional<TouchedRowsSolver> touched_rows_;  ///< kTouched, of the last repeat
   ContactFinder contact_;
+  Grip grip_;
+  Relaxer relaxer_;
+  SymmetryKeeper keeper_;
+  SculptControls controls_;  ///< of the last frame
   int clay_edits_;
 };
 

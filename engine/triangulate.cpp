@@ -14,6 +14,8 @@ using Triangles = std::vector<std::array<int, 3>>;
 
 // Clipping takes time with the square of this, and seconds at ten times as many.
 constexpr std::size_t kMaxCorners = 10'000;
+// Of the polygon's area: less is flat, and what rounding makes of a straight corner.
+constexpr double kFlat = 1e-12;
 constexpr double kNoEar = std::numeric_limits<double>::infinity();
 
 /// Twice the area of a triangle, positive when it runs anticlockwise.
@@ -27,7 +29,7 @@ void splitQuad(const std::vector<Vec3>& points, const std::vector<int>& quad, Tr
   const Vec3 ac = points[c] - points[a], bd = points[d] - points[b];
   const Vec3 normal = ac.cross(bd);
   const auto faces = [&](int i, int j, int k) {
-    return normal.dot((points[j] - points[i]).cross(points[k] - points[i])) > 0;
+    return normal.dot((points[j] - points[i]).cross(points[k] - points[i])) > kFlat * normal.squaredNorm();
   };
   // In an arrowhead, or with a straight corner, one diagonal runs outside or along an edge.
   const bool ac_inside = faces(a, b, c) && faces(a, c, d), bd_inside = faces(a, b, d) && faces(b, c, d);
@@ -48,6 +50,7 @@ class EarClipper {
     Vec3 normal = Vec3::Zero();
     for (std::size_t i = 2; i < face.size(); ++i)
       normal += (points[face[i - 1]] - points[face[0]]).cross(points[face[i]] - points[face[0]]);
+    flat_area_ = kFlat * normal.norm();
     const Vec3 x = normal.unitOrthogonal(), y = normal.cross(x).normalized();
     for (const int corner : face) {
       const Vec3 from_first = points[corner] - points[face[0]];
@@ -86,10 +89,10 @@ class EarClipper {
   void measure(std::size_t i) {
     const Vec2 &a = flat_[before(i)], &b = flat_[i], &c = flat_[after(i)];
     diagonals_[i] = kNoEar;
-    if (twiceArea(a, b, c) <= 0) return;
+    if (twiceArea(a, b, c) <= flat_area_) return;
     for (const Vec2& point : flat_)
-      if (point != a && point != b && point != c && twiceArea(a, b, point) >= 0 &&
-          twiceArea(b, c, point) >= 0 && twiceArea(c, a, point) >= 0)
+      if (point != a && point != b && point != c && twiceArea(a, b, point) >= -flat_area_ &&
+          twiceArea(b, c, point) >= -flat_area_ && twiceArea(c, a, point) >= -flat_area_)
         return;
     diagonals_[i] = (c - a).squaredNorm();
   }
@@ -104,6 +107,7 @@ class EarClipper {
     measure(ear % corners_.size());
   }
 
+  double flat_area_ = 0;
   std::vector<int> corners_;
   std::vector<Vec2> flat_;         ///< the corners in the polygon's plane
   std::vector<double> diagonals_;  ///< squared lengths; kNoEar where the corner is none

@@ -19,6 +19,11 @@ void main() {
   // q and -q are one rotation: the shorter way
   frame.rotation_now = dot(frame.rotation_before, fit.rotation) < 0 ? -fit.rotation : fit.rotation;
   frame.position_now = fit.position;
+  if (frame.mode != kFrameSweep) frame.gripped = 0;
+  if (frame.gripped == 0) {
+    frame.rotation_gripped = frame.rotation_now;
+    frame.position_gripped = frame.position_now;
+  }
   frame.done = 0;
   frame.touched = 0;
   frame.repeats = 0;
@@ -29,7 +34,8 @@ void main() {
   frame.step = 1;
   frame.momentum = 0;
   frame.theta = 1;
-  frame.point_groups = now ? GpuGroups(args.groups.points_x, args.groups.points_y, 1) : GpuGroups(0, 1, 1);
+  frame.find_groups = now ? GpuGroups(args.groups.points_x, args.groups.points_y, args.groups.images) : GpuGroups(0, 1, 1);
+  frame.point_groups = GpuGroups(0, 1, 1);
   frame.project_groups = GpuGroups(0, 1, 1);
   frame.apply_groups = GpuGroups(0, 1, 1);
   frame.check_groups = GpuGroups(1, 1, 1);

@@ -1,34 +1,19 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// Contact of one data point: its path in the hand's frame since the last check, and where it has to go. Told in engine/contact.h.
+// Contact of one data point, or a mirror image of it: its path in the hand's frame since the last check, and where it has to go. Told in engine/contact.h.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #include "shaders/contact_io.h"
 #include "shaders/invocation.glsl"
 #include "shaders/quaternion.glsl"
+#include "shaders/symmetry.glsl"
 
 layout(push_constant, scalar) uniform Push { ContactFindArgs args; };
 
+#include "shaders/hand_distance.glsl"
+
 const float kNone = 1e30;     // no surface was found
 const float kBuried = 2e30;   // no outside was found
-
-// Signed distance to the hand by trilinear interpolation; outside the grid the border's and the way to it.
-float distanceAt(vec3 point) {
-  const uvec3 size = uvec3(args.size_x, args.size_y, args.size_z);
-  const vec3 wanted = (point - args.low_corner) / args.cell_m;
-  const vec3 place = clamp(wanted, vec3(0), vec3(size - 1));
-  const uvec3 low = min(uvec3(place), size - 2);
-  const vec3 share = place - vec3(low);
-  const uint dy = args.size_x, dz = args.size_x * args.size_y;
-  const uint i = low.x + dy * low.y + dz * low.z;
-  const vec4 near = vec4(args.distances.at[i], args.distances.at[i + dy], args.distances.at[i + dz],
-                         args.distances.at[i + dy + dz]);
-  const vec4 far = vec4(args.distances.at[i + 1], args.distances.at[i + dy + 1], args.distances.at[i + dz + 1],
-                        args.distances.at[i + dy + dz + 1]);
-  const vec4 x = mix(near, far, share.x);
-  const vec2 y = mix(x.xz, x.yw, share.y);
-  return mix(y.x, y.y, share.z) + args.cell_m * length(wanted - place);
-}
 
 // Not unrolled: each copy of distanceAt costs lavapipe's compiler a tenth of a second, here and in the loops below.
 vec3 normalAt(vec3 point) {
@@ -36,7 +21,7 @@ vec3 normalAt(vec3 point) {
   [[dont_unroll]] for (uint side = 0; side < 6; ++side) {
     const vec3 axis = vec3(side >> 1 == 0, side >> 1 == 1, side >> 1 == 2);
     const float sign_ = (side & 1u) == 0 ? 1 : -1;
-    gradient += axis * sign_ * distanceAt(point + 0.5 * args.cell_m * sign_ * axis);
+    gradient += axis * sign_ * distanceAt(point + 0.5 * args.hand.cell_m * sign_ * axis);
   }
   const float size = length(gradient);
   return size > 0 ? gradient / size : vec3(0, 0, 1);
@@ -141,13 +126,14 @@ bool follow(Way way, float distance_m, inout GpuContactPoint point) {
 }
 
 void main() {
-  const uint index = invocation();
-  if (index >= args.data_point_count) return;
+  const uint data_point = invocation();
+  if (data_point >= args.data_point_count) return;
+  const uint image = gl_WorkGroupID.z, index = image * args.data_point_count + data_point;
   const GpuContactFrame frame = args.frame.at[0];
   const uint state = args.points.at[index].state;
   GpuContactPoint point = GpuContactPoint(args.points.at[index].position, state, vec3(0), 0, 0, 0, 0, 0);
   if (state == kPointReached) point = args.points.at[index];
-  const vec3 position = args.data_points.at[index];
+  const vec3 position = mirrorOf(args.mirrors, image) * args.data_points.at[data_point];
   Way way;
   way.rotation_to = frame.rotation_now;
   way.center_to = frame.position_now;

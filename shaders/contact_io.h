@@ -4,6 +4,7 @@
 #define AIRCLAY_CONTACT_IO_H
 
 #include "shaders/fit_io.h"
+#include "shaders/symmetry_io.h"
 
 AIRCLAY_IO_BEGIN
 
@@ -41,9 +42,9 @@ const uint kPointOutside = 0;
 const uint kPointReached = 1;
 const uint kPointIgnored = 2;  // inside when tracking began, and not left yet
 
-// A data point between two checks. Lengths along `direction` are in metres.
+// A data point, or a mirror image of it, between two checks. Lengths along `direction` are in metres.
 struct GpuContactPoint {
-  vec3 position;   // of the data point at the last check, workspace
+  vec3 position;   // at the last check, workspace
   uint state;
   vec3 direction;  // unit, outwards, hand's frame; of a reached point
   float depth;     // from the point to the hand's surface along it; negative: the surface lies behind, at most `pushed`
@@ -63,8 +64,18 @@ struct GpuGroups {
   uint z;
 };
 
+// The hand: its distances, sampled on a grid.
+struct HandDistances {
+  ReadFloats values;  // metres, negative inside
+  vec3 low_corner;    // from the centre of gravity, hand's frame
+  float cell_m;
+  uint size_x;
+  uint size_y;
+  uint size_z;
+};
+
 const uint kFrameIdle = 0;   // nothing to do: no hand, or the clutch is open
-const uint kFrameStart = 1;  // the first tracked frame: points inside are marked, nothing moves
+const uint kFrameStart = 1;  // the first tracked frame: points inside are marked or gripped, nothing moves
 const uint kFrameSweep = 2;
 
 // The frame: the hand's two poses, how the repeats go, and the workgroups of what is to be done next.
@@ -73,10 +84,13 @@ struct GpuContactFrame {
   vec4 rotation_now;
   vec3 position_before;  // of the centre of gravity, workspace, metres
   vec3 position_now;
+  vec4 rotation_gripped;  // when the hand took hold, see grip_io.h
+  vec3 position_gripped;
+  uint gripped;           // 1: it has taken hold
   uint mode;
   uint known;       // 1: the hand's pose in the next frame's `before` will be this frame's `now`
   uint done;
-  uint touched;     // data points that are reached
+  uint touched;     // data points that are reached, each image counted
   uint repeats;     // solves done in this frame
   uint stalls;      // repeats in a row that did not shrink the depth
   float depth_m;    // the largest left
@@ -85,7 +99,8 @@ struct GpuContactFrame {
   float step;       // of the next push
   float momentum;
   float theta;      // Nesterov's sequence
-  GpuGroups point_groups;    // contact_find, contact_push, subdivide
+  GpuGroups find_groups;     // contact_find: in z the images
+  GpuGroups point_groups;    // contact_push, subdivide and their like
   GpuGroups project_groups;  // solve_project
   GpuGroups apply_groups;    // solve_apply
   GpuGroups check_groups;    // contact_check
@@ -111,6 +126,16 @@ struct ContactGroups {
   uint points_y;
   uint project;
   uint apply;
+  uint images;  // of each point that is looked at on its own
+};
+
+// What a check needs to tell whether to go on: contact_decide.glsl.
+struct ContactDecision {
+  ReadWriteContactFrames frame;
+  WriteContactSummaries summary;
+  ContactGroups groups;
+  float wanted_m;  // what is left may be so much; the repeats end
+  uint max_repeats;
 };
 
 // contact_begin: one invocation; what kind of frame this is.
@@ -122,28 +147,23 @@ struct ContactBeginArgs {
   uint forget;  // 1: the last pose holds no more
 };
 
-// contact_find: one invocation a data point; depths along the points' directions.
+// contact_find: one invocation a data point and image; depths along the points' directions. Image k of data point i stands in
+// `points` at k * data_point_count + i.
 struct ContactFindArgs {
-  ReadFloats distances;  // of the hand, metres, negative inside
   ReadContactFrames frame;
   ReadVec3s data_points;
   ReadWriteContactPoints points;
-  vec3 low_corner;  // of the distances, from the centre of gravity, hand's frame
-  float cell_m;
-  uint size_x;
-  uint size_y;
-  uint size_z;
+  uint mirrors;  // symmetry_io.h
   uint data_point_count;
   uint first;  // 1: the hand moves from `before` to `now`; 0: it stays and the clay has moved
+  HandDistances hand;
 };
 
 // contact_check: one workgroup; whether to go on, and how far to push.
 struct ContactCheckArgs {
   ReadContactPoints points;
-  ReadWriteContactFrames frame;
-  WriteContactSummaries summary;
-  ContactGroups groups;
-  uint data_point_count;
+  uint point_count;  // all images
+  ContactDecision decision;
 };
 
 // contact_push: one invocation a data point; the displacements that the solve is to bring about.
@@ -152,6 +172,7 @@ struct ContactPushArgs {
   ReadWriteContactPoints points;
   WriteVec3s displacements;  // workspace, metres
   uint data_point_count;
+  uint mirrors;
 };
 
 AIRCLAY_IO_END

@@ -5,28 +5,36 @@
 #include "shaders/contact_io.h"
 #include "shaders/invocation.glsl"
 #include "shaders/quaternion.glsl"
+#include "shaders/symmetry.glsl"
 
 layout(push_constant, scalar) uniform Push { ContactPushArgs args; };
 
-void main() {
-  const uint index = invocation();
-  if (index >= args.data_point_count) return;
-  if (args.points.at[index].state != kPointReached) {
-    args.displacements.at[index] = vec3(0);
-    return;
-  }
-  GpuContactPoint point = args.points.at[index];
-  float push = 0;
+// Moves the point's account on, and says by how much it is pushed now.
+vec3 push(inout GpuContactPoint point) {
+  float push_m = 0;
   if (point.depth > 0) {
     const float plain = point.pushed + args.frame.at[0].step * point.depth;
-    push = plain + args.frame.at[0].momentum * (plain - point.pushed_plain) - point.pushed;
+    push_m = plain + args.frame.at[0].momentum * (plain - point.pushed_plain) - point.pushed;
     point.pushed_plain = plain;
   } else {
     point.pushed_plain = point.pushed;
   }
-  point.pushed += push;
-  point.last_push = push;
-  args.points.at[index] = point;
-  args.displacements.at[index] =
-      push != 0 ? push * rotate(args.frame.at[0].rotation_now, point.direction) : vec3(0);
+  point.pushed += push_m;
+  point.last_push = push_m;
+  return push_m != 0 ? push_m * rotate(args.frame.at[0].rotation_now, point.direction) : vec3(0);
+}
+
+void main() {
+  const uint data_point = invocation();
+  if (data_point >= args.data_point_count) return;
+  Wishes wishes = noWishes();
+  const uint images = imageCount(args.mirrors);
+  for (uint image = 0; image < images; ++image) {
+    const uint index = image * args.data_point_count + data_point;
+    if (args.points.at[index].state != kPointReached) continue;
+    GpuContactPoint point = args.points.at[index];
+    add(wishes, mirrorOf(args.mirrors, image) * push(point));
+    args.points.at[index] = point;
+  }
+  args.displacements.at[data_point] = agreed(wishes);
 }

@@ -41,7 +41,7 @@ struct Session {
 
   FrameResult process(int frame, bool held = true) {
     recording.readPictures(frame, pictures);
-    return pipeline.processPictures(held);
+    return pipeline.processPictures({.held = held});
   }
   Pose truth(int frame) const {
     return recording.truth()->at(std::size_t(frame - recording.backgroundFrames())).world_from_hand;

@@ -29,7 +29,7 @@ struct Workshop {
   ClayStep frame(const GpuFit& hand_fit, bool held = true) {
     fit.host()[0] = hand_fit;
     recorder.begin();
-    sculptor.record(recorder, fit, held);
+    sculptor.record(recorder, fit, {.held = held});
     recorder.submitAndWait();
     EXPECT_TRUE(hazards(recorder.commands()).empty());
     if (sculptor.needsHost()) {

@@ -7,6 +7,7 @@ find_package(nlohmann_json 3.11 REQUIRED)
 find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc imgcodecs videoio calib3d)
 find_package(CLI11 REQUIRED)
 find_package(GTest REQUIRED)
+find_package(assimp 5.2 REQUIRED)
 
 # Debian's CMake files for these two name static libraries that it does not ship.
 find_library(OPENSUBDIV_LIBRARY osdCPU REQUIRED)

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+// What the sculptor is told anew in each frame.
+#pragma once
+
+#include "engine/symmetry.h"
+
+namespace airclay {
+
+enum class Tool {
+  kPush,    ///< the paper's: the clay gives way to the hand (engine/contact.h)
+  kPull,    ///< touched clay sticks to the hand and follows it (engine/grip.h)
+  kSmooth,  ///< clay near the hand relaxes (engine/relax.h)
+};
+
+struct SculptControls {
+  Tool tool = Tool::kPush;
+  Symmetry symmetry;
+  bool held = true;             ///< the clutch: false leaves the clay alone
+  double frame_s = 1.0 / 30.0;  ///< since the last frame, by the pictures' own clock: how far smoothing goes
+};
+
+}  // namespace airclay

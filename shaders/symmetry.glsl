@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+// Mirror images, packed as symmetry_io.h says, and what a data point is to do when they want different things.
+
+uint imageCount(uint mirrors) { return findMSB(mirrors) / 4 + 1; }  // 0 for image 0 alone: findMSB(0) is -1, and -1 / 4 is 0
+
+vec3 mirrorOf(uint mirrors, uint image) {
+  const uint axes = mirrors >> (4 * image);
+  return vec3((axes & 1) != 0 ? -1 : 1, (axes & 2) != 0 ? -1 : 1, (axes & 4) != 0 ? -1 : 1);
+}
+
+// Along each axis the largest displacement either way.
+struct Wishes {
+  vec3 up;
+  vec3 down;
+};
+
+Wishes noWishes() { return Wishes(vec3(0), vec3(0)); }
+
+void add(inout Wishes wishes, vec3 displacement) {
+  wishes.up = max(wishes.up, displacement);
+  wishes.down = min(wishes.down, displacement);
+}
+
+// Where the images agree the larger displacement, where they pull against each other the sum.
+vec3 agreed(Wishes wishes) { return wishes.up + wishes.down; }
