@@ -5,6 +5,7 @@ find_program(GLSLANG_VALIDATOR glslangValidator REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(nlohmann_json 3.11 REQUIRED)
 find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc imgcodecs videoio calib3d)
+find_package(SQLite3 3.37 REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(GTest REQUIRED)
 find_package(assimp 5.2 REQUIRED)
@@ -12,3 +13,9 @@ find_package(assimp 5.2 REQUIRED)
 # Debian's CMake files for these two name static libraries that it does not ship.
 find_library(OPENSUBDIV_LIBRARY osdCPU REQUIRED)
 find_library(TINYGLTF_LIBRARY tinygltf REQUIRED)
+
+# The window.
+find_package(glfw3 3.3 REQUIRED)
+find_library(IMGUI_LIBRARY imgui REQUIRED)
+find_library(STB_LIBRARY stb REQUIRED)
+find_file(AIRCLAY_FONT Inter-Regular.otf PATHS /usr/share/fonts/opentype/inter REQUIRED)
