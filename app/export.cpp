@@ -2,13 +2,13 @@
 // `airclay export`: clay for other programs, the cage or the surface, with a word on whether it can be
 // printed.
 #include <CLI/CLI.hpp>
-#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "app/clay_words.h"
 #include "app/command.h"
 #include "app/outputs.h"
+#include "engine/document.h"
 #include "engine/error.h"
 #include "engine/mesh_export.h"
 #include "engine/presets.h"
@@ -19,8 +19,20 @@ namespace {
 struct ExportOptions : CommonOptions {
   std::string clay, out, what = "surface";
   ClayWords words;
-  bool levels_given = false;
+  bool levels_given = false, rule_given = false;
 };
+
+/// A document's own level and rule are what it is exported with, unless the words say otherwise.
+ClayState clayOf(const ExportOptions& options) {
+  ClayState clay;
+  if (options.clay.ends_with(".clay"))
+    clay = Document::open(options.clay).state();
+  else
+    clay.cage = loadCage(options.clay);
+  if (options.levels_given) clay.levels = options.words.levels;
+  if (options.rule_given) clay.rule = options.words.subdivisionRule();
+  return clay;
+}
 
 std::string wordsOn(const MeshExport& written) {
   if (!written.watertight())
@@ -41,9 +53,8 @@ void runExport(const ExportOptions& options) {
                 Fault::kUsage);
   meshFormatOf(options.out);
   checkWritable(options.out);
-  const PolygonMesh cage = loadCage(options.clay);
-  const PolygonMesh mesh =
-      meshAtLevel(cage, cage_alone ? 0 : options.words.levels, options.words.subdivisionRule());
+  const ClayState clay = clayOf(options);
+  const PolygonMesh mesh = meshAtLevel(clay.cage, cage_alone ? 0 : clay.levels, clay.rule);
   const MeshExport written = exportMesh(options.out, mesh);
   if (options.json)
     printJson({{"vertices", written.vertices},
@@ -82,9 +93,10 @@ void addExport(CLI::App& program, int&) {
   addCommonOptions(*command, *options, Uses::kNothing, true);
   command->footer(
       "Examples:\n  airclay export ball --levels 4 --out ball.stl\n"
-      "  airclay export cage.obj --out clay.glb");
+      "  airclay export cage.obj --out clay.glb\n  airclay export pot.clay --out pot.stl");
   command->callback([options, command] {
     options->levels_given = command->count("--levels") > 0;
+    options->rule_given = command->count("--rule") > 0;
     runExport(*options);
   });
 }

@@ -54,6 +54,11 @@ int run(int argc, char** argv) {
   addSubdivide(program, status);
   addDeform(program, status);
   addExport(program, status);
+  addNew(program, status);
+  addHistory(program, status);
+  addUndo(program, status);
+  addRedo(program, status);
+  addRefine(program, status);
   addFigures(program, status);
   addCompare(program, status);
   addBench(program, status);

@@ -7,6 +7,7 @@
 #include <assimp/Importer.hpp>
 #include <nlohmann/json.hpp>
 
+#include "engine/document.h"
 #include "engine/mesh_file.h"
 #include "engine/presets.h"
 #include "engine/subdivide.h"
@@ -72,12 +73,36 @@ TEST_F(ExportApp, ReadsCagesFromObj) {
   EXPECT_EQ(readObj(at("b.obj")).faces, presetCage("slab").faces);
 }
 
+TEST_F(ExportApp, ReadsDocumentsAsTheyWereLeft) {
+  ClayState state{presetCage("vase"), SubdivisionRule::kPrinted, 1, SolveRows::kAll};
+  {
+    Document document = Document::create(folder / "vase.clay", state);
+    state.cage.points[0] += Vec3(0.01, 0.02, 0.03);
+    document.commit("Push", state);
+  }
+  // Its own level and rule, and what the last edit left.
+  ASSERT_EQ(runAirclay({"export", at("vase.clay"), "--out", at("a.obj")}).status, 0);
+  const Subdivision own = subdivide(state.cage, 1, SubdivisionRule::kPrinted);
+  const std::vector<Vec3> points = dataPoints(own.matrix, state.cage.points);
+  const PolygonMesh read = readObj(at("a.obj"));
+  ASSERT_EQ(read.points.size(), points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) EXPECT_LT((read.points[i] - points[i]).norm(), 1e-9);
+  // The words go before.
+  ASSERT_EQ(runAirclay({"export", at("vase.clay"), "--levels", "2", "--out", at("b.obj")}).status, 0);
+  const PolygonMesh finer = readObj(at("b.obj"));
+  const Subdivision second = subdivide(state.cage, 2, SubdivisionRule::kPrinted);
+  EXPECT_LT((finer.points[0] - dataPoints(second.matrix, state.cage.points)[0]).norm(), 1e-9);
+  ASSERT_EQ(runAirclay({"export", at("vase.clay"), "--what", "cage", "--out", at("c.obj")}).status, 0);
+  EXPECT_EQ(readObj(at("c.obj")).faces, state.cage.faces);
+}
+
 TEST_F(ExportApp, RefusesInOneLine) {
   const std::vector<std::tuple<std::vector<std::string>, int, std::string>> cases = {
       {{"export", "ball", "--out", at("a.fbx")}, 2, ".obj, .ply, .stl and .glb"},
       {{"export", "ball", "--what", "hull", "--out", at("a.stl")}, 2, "--what"},
       {{"export", "ball", "--what", "cage", "--levels", "2", "--out", at("a.stl")}, 2, "--levels"},
       {{"export", "ball", "--levels", "99", "--out", at("a.stl")}, 1, "level"},
+      {{"export", at("none.clay"), "--out", at("a.stl")}, 1, "none.clay"},
       {{"export", "bell", "--out", at("a.stl")}, 1, "bell"},
       {{"export", "ball", "--out", at("none/a.stl")}, 1, "there is no folder"},
       {{"export", "ball"}, 2, "--out"},

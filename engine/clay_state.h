@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+// Everything about the clay that an edit can change, as one plain value.
+#pragma once
+
+#include <string>
+
+#include "engine/mesh.h"
+#include "engine/solve.h"
+#include "engine/subdivide.h"
+
+namespace airclay {
+
+/// The control cage, and how it is subdivided and solved.
+struct ClayState {
+  PolygonMesh cage;  ///< metres, world
+  SubdivisionRule rule = SubdivisionRule::kCatmullClark;
+  int levels = 2;
+  SolveRows solve = SolveRows::kAll;
+};
+
+inline constexpr int kMaxStateLevels = 15;                   ///< subdivide()'s most
+inline constexpr std::size_t kMaxStatePoints = 5'000'000;    ///< readObj()'s most: 120 MB of control points
+inline constexpr std::size_t kMaxStateCorners = 20'000'000;  ///< of all faces: as many quads as points
+
+/// \throw Error that begins with `where` (a file, a command) when the cage is none (engine/cage.h) or larger
+/// than the limits above, a coordinate is not finite, `levels` is not 1 to kMaxStateLevels, or `solve` is
+/// kAll and there are more than AllRowsSolver::kMaxControlPoints control points.
+void checkClayState(const ClayState& state, const std::string& where);
+
+/// Bit for bit the same clay.
+bool sameClay(const ClayState& a, const ClayState& b);
+
+}  // namespace airclay
