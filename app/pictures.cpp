@@ -41,7 +41,8 @@ SculptPictures::SculptPictures(Gpu& gpu, const Pipeline& pipeline, const ClayOpt
     : pipeline_(pipeline),
       painter_(gpu, kSize),
       hand_(gpu, pipeline.hand(), forearm),
-      surface_(gpu, clay.cage, clay.rule, clay.levels) {
+      gpu_(gpu),
+      rule_(clay.rule) {
   const Workspace& workspace = pipeline.rig().workspace;
   ground_z_m_ = workspace.edge_m / 2;
   for (const Vec3& point : pipeline.clay().surface().points)
@@ -53,8 +54,14 @@ Scene SculptPictures::scene(const std::optional<Pose>& world_from_hand) {
   scene.workspace = pipeline_.rig().workspace;
   scene.ground_z_m = ground_z_m_;
   SceneMesh mesh;
-  surface_.evaluate(pipeline_.clay().cage().points, scene.workspace);
-  mesh.surface = surface_.surface();
+  const PolygonMesh cage = pipeline_.clay().cage();
+  if (!surface_ || cage.points.size() != control_points_ || pipeline_.clay().levels() != levels_) {
+    control_points_ = cage.points.size();
+    levels_ = pipeline_.clay().levels();
+    surface_ = std::make_unique<DisplaySurface>(gpu_, cage, rule_, levels_);
+  }
+  surface_->evaluate(cage.points, scene.workspace);
+  mesh.surface = surface_->surface();
   scene.meshes.push_back(mesh);
   if (world_from_hand) scene.hand = hand_.at(workspaceFromWorld(scene.workspace) * *world_from_hand);
   return scene;

@@ -62,7 +62,11 @@ class SculptPictures {
   const Pipeline& pipeline_;
   Painter painter_;
   DrawnHand hand_;
-  DisplaySurface surface_;
+  Gpu& gpu_;
+  SubdivisionRule rule_;
+  std::unique_ptr<DisplaySurface> surface_;  ///< of the form that the clay had in the last picture
+  std::size_t control_points_ = 0;
+  int levels_ = 0;
   double ground_z_m_ = 0;  ///< workspace frame: the clay's lowest point at the start
 };
 

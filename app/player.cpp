@@ -72,7 +72,7 @@ void Player::learnFromBackgroundPictures() {
   pipeline_.learnBackground();
 }
 
-std::optional<PlayedFrame> Player::next() {
+std::optional<PlayedFrame> Player::next(const SculptControls& controls) {
   if (next_ == recording_.frameCount()) return std::nullopt;
   if (next_ == 0) learnFromBackgroundPictures();
   PlayedFrame played;
@@ -85,8 +85,8 @@ std::optional<PlayedFrame> Player::next() {
   if (played.background)
     pipeline_.learnBackground();
   else
-    played.result =
-        recording_.hasSilhouettes() ? pipeline_.processMasks(masks_) : pipeline_.processPictures();
+    played.result = recording_.hasSilhouettes() ? pipeline_.processMasks(masks_, controls)
+                                                : pipeline_.processPictures(controls);
   return played;
 }
 

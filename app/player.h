@@ -42,7 +42,7 @@ class Player {
   Player(Recording& recording, Pipeline& pipeline);
 
   /// None past the last frame.
-  std::optional<PlayedFrame> next();
+  std::optional<PlayedFrame> next(const SculptControls& controls = {});
   /// Silhouettes and hull alone, of one frame. \throw Error when the recording has no such frame.
   void hullOf(int frame);
 

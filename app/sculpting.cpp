@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "app/kept_strokes.h"
 #include "app/pictures.h"
 #include "app/player.h"
 #include "app/progress.h"
@@ -69,29 +70,63 @@ class Film {
 
 }  // namespace
 
-void sculpt(Gpu& gpu, Recording& recording, const Sculpting& sculpting, const CommonOptions& options) {
-  Pipeline pipeline(gpu, recording.rig(), sculpting.hand, {options.voxels}, sculpting.clay);
-  Player player(recording, pipeline);
-  Film film(gpu, pipeline, sculpting, recording.rateHz());
+struct SculptResults::Parts {
+  Parts(Gpu& gpu, const Pipeline& of_pipeline, const Recording& of_recording, const Sculpting& of_sculpting)
+      : pipeline(of_pipeline),
+        recording(of_recording),
+        sculpting(of_sculpting),
+        film(gpu, pipeline, sculpting, recording.rateHz()) {}
+  const Pipeline& pipeline;
+  const Recording& recording;
+  const Sculpting& sculpting;
+  Film film;
   Tracking tracking;
   ClayFigures clay;
+};
+
+SculptResults::SculptResults(Gpu& gpu, const Pipeline& pipeline, const Recording& recording,
+                             const Sculpting& sculpting)
+    : parts_(std::make_unique<Parts>(gpu, pipeline, recording, sculpting)) {}
+SculptResults::~SculptResults() = default;
+
+void SculptResults::add(const PlayedFrame& frame) {
+  parts_->tracking.add(frame, parts_->recording);
+  parts_->clay.add(frame.result.clay);
+  parts_->film.take(frame.result);
+}
+
+void SculptResults::finish(const CommonOptions& options) {
+  const Sculpting& sculpting = parts_->sculpting;
+  parts_->film.finish();
+  writeObj(sculpting.out / "surface.obj", parts_->pipeline.clay().surface());
+  writeObj(sculpting.out / "cage.obj", parts_->pipeline.clay().cage());
+  writePoses(sculpting.out / "poses.tum", parts_->tracking.poses());
+  for (const std::string& line : parts_->tracking.words()) say(options, line);
+  say(options, parts_->clay.words());
+  say(options, "surface.obj, cage.obj, poses.tum and pictures in " + sculpting.out.string() +
+                   (sculpting.video ? ", the video " + sculpting.video->string() : ""));
+}
+
+void sculptHeadless(Gpu& gpu, Recording& recording, const Sculpting& sculpting, Document* document,
+                    const CommonOptions& options) {
+  Pipeline pipeline(gpu, recording.rig(), sculpting.hand, {options.voxels}, sculpting.clay);
+  Player player(recording, pipeline);
+  SculptResults results(gpu, pipeline, recording, sculpting);
+  std::optional<KeptStrokes> strokes;
+  if (document) strokes.emplace(*document);
   {
     Progress progress("sculpting", recording.frameCount(), options.talks());
-    while (const std::optional<PlayedFrame> frame = player.next()) {
-      tracking.add(*frame, recording);
-      clay.add(frame->result.clay);
-      film.take(frame->result);
+    while (const std::optional<PlayedFrame> frame = player.next(sculpting.controls)) {
+      results.add(*frame);
+      if (strokes)
+        strokes->see(
+            {frame->time_s, frame->result.clay.touched, true, frame->result.hand == HandState::kTracked},
+            toolName(sculpting.controls.tool), pipeline.clay());
       progress.advance();
     }
   }
-  film.finish();
-  writeObj(sculpting.out / "surface.obj", pipeline.clay().surface());
-  writeObj(sculpting.out / "cage.obj", pipeline.clay().cage());
-  writePoses(sculpting.out / "poses.tum", tracking.poses());
-  for (const std::string& line : tracking.words()) say(options, line);
-  say(options, clay.words());
-  say(options, "surface.obj, cage.obj, poses.tum and pictures in " + sculpting.out.string() +
-                   (sculpting.video ? ", the video " + sculpting.video->string() : ""));
+  if (strokes) strokes->finish(pipeline.clay());
+  results.finish(options);
 }
 
 }  // namespace airclay

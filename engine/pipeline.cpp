@@ -11,19 +11,6 @@
 namespace airclay {
 namespace {
 
-using StageTimes = std::vector<std::pair<std::string, double>>;
-
-void addStages(const Recorder& recorder, StageTimes& total) {
-  for (const auto& [name, ms] : recorder.stageMs()) {
-    const auto same = std::find_if(total.begin(), total.end(),
-                                   [&name = name](const auto& stage) { return stage.first == name; });
-    if (same == total.end())
-      total.emplace_back(name, ms);
-    else
-      same->second += ms;
-  }
-}
-
 double millisecondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
@@ -85,10 +72,10 @@ struct Pipeline::Parts {
   }
 
   /// From the voxel model to the new surface.
-  void recordHandAndClay(const SculptControls& controls) {
+  void recordHandAndClay(const std::optional<SculptControls>& controls) {
     recorder.stage("fit");
     tracker.recordTracking(recorder);
-    recordClay(tracker.result(), controls);
+    if (controls) recordClay(tracker.result(), *controls);
   }
 
   void recordClay(const Buffer<GpuFit>& fit, const SculptControls& controls) {
@@ -105,14 +92,15 @@ struct Pipeline::Parts {
 
   void submit(FrameResult& result) {
     recorder.submitAndWait();
-    addStages(recorder, result.stage_ms);
+    addStages(recorder.stageMs(), result.stage_ms);
   }
 
   /// The whole line. A frame whose last pose holds is one submission; a search has several of its own.
-  FrameResult process(bool from_pictures, const SculptControls& controls) {
+  /// Without controls the clay is left out.
+  FrameResult process(bool from_pictures, const std::optional<SculptControls>& controls) {
     FrameResult result;
     const auto start = std::chrono::steady_clock::now();
-    takeHandFrom(false);
+    if (controls) takeHandFrom(false);
     const bool following = tracker.hasPose();
     recorder.begin();
     recordHull(from_pictures);
@@ -129,7 +117,7 @@ struct Pipeline::Parts {
         result.fit = tracker.finish();
       }
     }
-    finishClay(result);
+    if (controls) finishClay(result);
     result.hand = tracker.isEmpty()    ? HandState::kEmpty
                   : result.fit.tracked ? HandState::kTracked
                                        : HandState::kLost;
@@ -201,6 +189,15 @@ FrameResult Pipeline::processPictures(const SculptControls& controls) {
   return parts_->process(true, controls);
 }
 
+FrameResult Pipeline::trackPictures() {
+  return parts_->process(true, std::nullopt);
+}
+
+FrameResult Pipeline::trackMasks(const std::vector<Mask>& masks) {
+  parts_->takeMasks(masks);
+  return parts_->process(false, std::nullopt);
+}
+
 FrameResult Pipeline::processMasks(const std::vector<Mask>& masks, const SculptControls& controls) {
   parts_->takeMasks(masks);
   return parts_->process(false, controls);
@@ -221,6 +218,10 @@ void Pipeline::hullFromPictures() {
 void Pipeline::hullFromMasks(const std::vector<Mask>& masks) {
   parts_->takeMasks(masks);
   parts_->hull(false);
+}
+
+void Pipeline::forgetGivenHand() {
+  if (parts_->sculptor) parts_->sculptor->forget();
 }
 
 void Pipeline::forgetHand() {

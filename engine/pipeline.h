@@ -75,6 +75,9 @@ class Pipeline {
   FrameResult processPictures(const SculptControls& controls = {});
   /// The same from masks that are used as they are, one a camera.
   FrameResult processMasks(const std::vector<Mask>& masks, const SculptControls& controls = {});
+  /// The hand alone: for whoever looks at the pose before it sculpts with sculptWith().
+  FrameResult trackPictures();
+  FrameResult trackMasks(const std::vector<Mask>& masks);
   /// A frame without cameras: the hand is where the caller says, and only the clay's stage runs. The tracker
   /// is left alone. Between such a frame and one with cameras the hand's way is not known, so the clay
   /// doesn't move in the first of either. \pre made with clay
@@ -88,6 +91,8 @@ class Pipeline {
   /// clay stays.
   void setClay(const std::optional<ClayOptions>& clay);
 
+  /// There was no hand to give: the next sculptWith() starts anew.
+  void forgetGivenHand();
   /// Forgets the hand: the next frame searches again.
   void forgetHand();
 

@@ -12,6 +12,11 @@ enum class Tool {
   kSmooth,  ///< clay near the hand relaxes (engine/relax.h)
 };
 
+/// As histories call its strokes.
+inline const char* toolName(Tool tool) {
+  return tool == Tool::kPush ? "Push" : tool == Tool::kPull ? "Pull" : "Smooth";
+}
+
 struct SculptControls {
   Tool tool = Tool::kPush;
   Symmetry symmetry;

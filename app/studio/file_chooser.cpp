@@ -36,7 +36,8 @@ void FileChooser::goTo(const std::filesystem::path& folder) {
     const std::string name = at->path().filename().string();
     std::error_code ignored;
     const bool is_folder = at->is_directory(ignored);
-    const bool wanted = is_folder || std::find(endings_.begin(), endings_.end(), at->path().extension()) != endings_.end();
+    const bool wanted =
+        is_folder || std::find(endings_.begin(), endings_.end(), at->path().extension()) != endings_.end();
     if (!name.starts_with(".") && wanted) listed.push_back({name, is_folder});
     if (listed.size() == kMostListed) break;
   }
@@ -54,7 +55,8 @@ void FileChooser::goTo(const std::filesystem::path& folder) {
 
 bool FileChooser::accept() {
   if (name_.empty()) return false;
-  std::filesystem::path file = std::filesystem::path(name_).is_absolute() ? std::filesystem::path(name_) : folder_ / name_;
+  std::filesystem::path file =
+      std::filesystem::path(name_).is_absolute() ? std::filesystem::path(name_) : folder_ / name_;
   std::error_code fault;
   if (std::filesystem::is_directory(file, fault)) {
     goTo(file);
@@ -99,7 +101,8 @@ void FileChooser::draw() {
   drawList();
   if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
   ImGui::SetNextItemWidth(ImGui::GetFontSize() * 30);
-  const bool entered = ImGui::InputTextWithHint("##name", "name", &name_, ImGuiInputTextFlags_EnterReturnsTrue);
+  const bool entered =
+      ImGui::InputTextWithHint("##name", "name", &name_, ImGuiInputTextFlags_EnterReturnsTrue);
   if (!fault_.empty()) ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(look::kBad), "%s", fault_.c_str());
   bool done = false;
   if (ImGui::Button(to_write_ ? "Write" : "Open") || entered) done = accept();

@@ -13,7 +13,8 @@ class FileChooser {
  public:
   using Chosen = std::function<void(const std::filesystem::path&)>;
 
-  /// Opens it in `folder`. `endings` are shown (".clay"); an unnamed ending becomes the first when `to_write`.
+  /// Opens it in `folder`. `endings` are shown (".clay"); an unnamed ending becomes the first when
+  /// `to_write`.
   void open(const std::string& title, const std::filesystem::path& folder, std::vector<std::string> endings,
             bool to_write, Chosen chosen);
   bool isOpen() const { return open_; }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "app/studio/frame_reader.h"
 
+#include <utility>
+
 namespace airclay {
 
 FrameReader::FrameReader(Recording& recording) : recording_(recording), thread_([this] { run(); }) {}
@@ -40,8 +42,9 @@ void FrameReader::run() {
 bool FrameReader::waitForRoom() {
   Clock::time_point due = Clock::now();
   std::unique_lock lock(mutex_);
-  if (next_ > 0) due = slot_.captured_at + std::chrono::duration_cast<Clock::duration>(
-                                               std::chrono::duration<double>(1 / recording_.rateHz()));
+  if (next_ > 0)
+    due = slot_.captured_at +
+          std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / recording_.rateHz()));
   while (!stop_) {
     if (restart_) {
       restart_ = full_ = ended_ = false;

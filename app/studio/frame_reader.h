@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Reads a recording ahead on a thread of its own, one frame set at a time: while the engine works on one, the next is
-// decoded.
+// Reads a recording ahead on a thread of its own, one frame set at a time: while the engine works on one, the
+// next is decoded.
 #pragma once
 
 #include <chrono>
@@ -19,7 +19,7 @@ using Clock = std::chrono::steady_clock;
 /// The pictures of all cameras at one instant, or their masks.
 struct FrameSet {
   int frame = 0;
-  double time_s = 0;             ///< the recording's
+  double time_s = 0;              ///< the recording's
   Clock::time_point captured_at;  ///< when the frame was due, and its decoding began
   double decode_ms = 0;
   std::vector<std::vector<std::uint8_t>> bytes;  ///< one a camera: BGR, or a mask's bytes
@@ -27,7 +27,8 @@ struct FrameSet {
 
 class FrameReader {
  public:
-  /// Frames come in order, none is left out, at most as fast as they were taken. `recording` must outlive this.
+  /// Frames come in order, none is left out, at most as fast as they were taken. `recording` must outlive
+  /// this.
   explicit FrameReader(Recording& recording);
   ~FrameReader();
 
@@ -48,9 +49,9 @@ class FrameReader {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   bool stop_ = false, paused_ = false, restart_ = false, full_ = false;
-  int next_ = 0;     ///< frame to be read
+  int next_ = 0;  ///< frame to be read
   bool ended_ = false;
-  FrameSet slot_;    ///< read, not taken yet: when full_
+  FrameSet slot_;  ///< read, not taken yet: when full_
   std::exception_ptr fault_;
   std::thread thread_;
 };

@@ -11,8 +11,8 @@ namespace airclay {
 struct KeyBinding {
   int key = 0;  ///< GLFW's number
   bool ctrl = false, shift = false;
-  std::string shown;  ///< "Ctrl Z"
-  std::string does;   ///< "undo"
+  std::string shown;          ///< "Ctrl Z"
+  std::string does;           ///< "undo"
   std::function<void()> act;  ///< when pressed; none: held keys and the mouse, handled where they belong
   bool repeats = false;       ///< while it is held down
 };

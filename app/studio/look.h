@@ -16,12 +16,12 @@ ImFont* titleFont();
 
 /// Colours as Dear ImGui packs them.
 namespace look {
-inline constexpr std::uint32_t kInk = 0xFF2E3238;      ///< text
-inline constexpr std::uint32_t kFaint = 0xFF7C848E;    ///< less important text
-inline constexpr std::uint32_t kClay = 0xFF3F6BB4;     ///< terracotta: what is chosen
-inline constexpr std::uint32_t kGood = 0xFF5A9A4A;     ///< tracking
-inline constexpr std::uint32_t kDoubt = 0xFF2D9BE0;    ///< uncertain
-inline constexpr std::uint32_t kBad = 0xFF3A3AD0;      ///< lost
+inline constexpr std::uint32_t kInk = 0xFF2E3238;    ///< text
+inline constexpr std::uint32_t kFaint = 0xFF7C848E;  ///< less important text
+inline constexpr std::uint32_t kClay = 0xFF3F6BB4;   ///< terracotta: what is chosen
+inline constexpr std::uint32_t kGood = 0xFF5A9A4A;   ///< tracking
+inline constexpr std::uint32_t kDoubt = 0xFF2D9BE0;  ///< uncertain
+inline constexpr std::uint32_t kBad = 0xFF3A3AD0;    ///< lost
 }  // namespace look
 
 }  // namespace airclay

@@ -71,7 +71,8 @@ void Meter::shown(std::optional<double> latency_ms) {
     history_.push_back(static_cast<float>(*latency_ms));
     if (history_.size() > kHistory) history_.pop_front();
   }
-  while (!latencies_.empty() && now - latencies_.front().first > std::chrono::seconds(2)) latencies_.pop_front();
+  while (!latencies_.empty() && now - latencies_.front().first > std::chrono::seconds(2))
+    latencies_.pop_front();
   std::vector<double> values;
   for (const auto& [time, ms] : latencies_) values.push_back(ms);
   latency_ms_ = median(values);
@@ -108,7 +109,8 @@ void Panels::drawMenu(const DocumentView& document, PanelWishes& wishes) {
     ImGui::EndMenu();
   }
   if (ImGui::BeginMenu("Edit")) {
-    const std::string undo = "Undo " + document.undo.value_or(""), redo = "Redo " + document.redo.value_or("");
+    const std::string undo = "Undo " + document.undo.value_or(""),
+                      redo = "Redo " + document.redo.value_or("");
     if (ImGui::MenuItem(undo.c_str(), "Ctrl Z", false, document.undo.has_value())) session_.undo();
     if (ImGui::MenuItem(redo.c_str(), "Ctrl Shift Z", false, document.redo.has_value())) session_.redo();
     if (ImGui::MenuItem("Refine", "R")) session_.refineClay();
@@ -195,7 +197,8 @@ void Panels::drawForm(const DocumentView& document) {
   int rule = document.rule == SubdivisionRule::kPrinted, solve = document.solve == SolveRows::kTouched;
   ImGui::SetNextItemWidth(ImGui::GetFontSize() * 9);
   if (ImGui::Combo("rule", &rule, "Catmull-Clark\0as printed\0"))
-    session_.setForm(document.levels, rule ? SubdivisionRule::kPrinted : SubdivisionRule::kCatmullClark, document.solve);
+    session_.setForm(document.levels, rule ? SubdivisionRule::kPrinted : SubdivisionRule::kCatmullClark,
+                     document.solve);
   ImGui::SetNextItemWidth(ImGui::GetFontSize() * 9);
   if (ImGui::Combo("solve", &solve, "all points\0touched points\0"))
     session_.setForm(document.levels, document.rule, solve ? SolveRows::kTouched : SolveRows::kAll);
@@ -220,7 +223,8 @@ void Panels::drawStatus(const Snapshot& snapshot, const Stage& stage, const Mete
                                              : wordsFor(snapshot.trust);
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float em = ImGui::GetFontSize();
-  ImGui::GetWindowDrawList()->AddCircleFilled(ImVec2(at.x + em * 0.4f, at.y + em * 0.55f), em * 0.34f, trust.color);
+  ImGui::GetWindowDrawList()->AddCircleFilled(ImVec2(at.x + em * 0.4f, at.y + em * 0.55f), em * 0.34f,
+                                              trust.color);
   ImGui::Dummy(ImVec2(em * 0.9f, em));
   ImGui::SameLine();
   ImGui::TextUnformatted(trust.word);
@@ -245,7 +249,8 @@ void Panels::drawStages(const Snapshot& snapshot) {
   std::string words = "decode " + fixed(snapshot.decode_ms, 1);
   for (const auto& [name, ms] : snapshot.result.stage_ms) words += ", " + name + " " + fixed(ms, 1);
   if (settings_.steady && snapshot.result.fit.tracked) words += ", steady " + fixed(snapshot.steady_ms, 0);
-  ImGui::PushTextWrapPos(ImGui::GetCursorPosX() + Session::kThumbnailWidth - 2 * ImGui::GetStyle().WindowPadding.x);
+  ImGui::PushTextWrapPos(ImGui::GetCursorPosX() + Session::kThumbnailWidth -
+                         2 * ImGui::GetStyle().WindowPadding.x);
   ImGui::TextDisabled("%s ms", words.c_str());
   ImGui::PopTextWrapPos();
 }

@@ -29,7 +29,8 @@ class Meter {
 
 /// What the panels ask the studio for, beyond the settings.
 struct PanelWishes {
-  bool open = false, save_as = false, import = false, export_surface = false, export_cage = false, help = false;
+  bool open = false, save_as = false, import = false, export_surface = false, export_cage = false,
+       help = false;
   std::string new_clay;  ///< a preset's name
 };
 

@@ -27,13 +27,10 @@ HandTrust trustIn(const FrameResult& result) {
       break;
   }
   // a pose just found by a search has no motion yet that would confirm it
-  const bool doubtful = result.searched || result.fit.outside_m > kDoubtfulMetres ||
-                        (result.fit.outside_fraction > kDoubtfulShare && result.fit.outside_m > kDoubtfulMetres / 2);
+  const bool doubtful =
+      result.searched || result.fit.outside_m > kDoubtfulMetres ||
+      (result.fit.outside_fraction > kDoubtfulShare && result.fit.outside_m > kDoubtfulMetres / 2);
   return doubtful ? HandTrust::kUncertain : HandTrust::kTracking;
-}
-
-std::string nameOf(Tool tool) {
-  return tool == Tool::kPush ? "Push" : tool == Tool::kPull ? "Pull" : "Smooth";
 }
 
 ClayOptions optionsFor(const ClayState& state) {
@@ -53,7 +50,8 @@ Session::Session(Gpu& gpu, const Options& options, Document document)
       options_(options),
       pipeline_(gpu, options.rig, options.hand, {options.voxels}, optionsFor(document.state())),
       document_(std::move(document)),
-      form_(document_.state()) {
+      form_(document_.state()),
+      strokes_(document_) {
   std::size_t pixels = 0;
   for (std::size_t c = 0; c < options_.rig.cameras.size(); ++c) {
     thumbnail_starts_.push_back(pixels);
@@ -70,7 +68,8 @@ Session::~Session() {
   thread_.join();
 }
 
-// ----------------------------------------------------------------------------------------------- the window's
+// ----------------------------------------------------------------------------------------------- the
+// window's
 
 Snapshot Session::snapshot() const {
   const std::lock_guard lock(mutex_);
@@ -170,13 +169,13 @@ void Session::turn(const Vec3& axis, double angle_rad, bool last) {
     std::vector<Vec3> points = pipeline_.clay().cage().points;
     for (Vec3& point : points) point = center + turn * (point - center);
     pipeline_.clay().setControlPoints(points);
-    if (last) commitStroke("Turn");
+    if (last) document_.commit("Turn", stateOf(document_, pipeline_.clay()));
   });
 }
 
 void Session::exportMesh(const std::filesystem::path& file, bool surface) {
   post([this, file, surface] {
-    const ClayState state = currentState();
+    const ClayState state = stateOf(document_, pipeline_.clay());
     const MeshExport written =
         airclay::exportMesh(file, meshAtLevel(state.cage, surface ? state.levels : 0, state.rule));
     note(file.filename().string() + ": " + std::to_string(written.faces) + " faces" +
@@ -240,7 +239,8 @@ void Session::forgetHand() {
   post([this] { pipeline_.forgetHand(); });
 }
 
-// --------------------------------------------------------------------------------------------- the own thread
+// --------------------------------------------------------------------------------------------- the own
+// thread
 
 void Session::run() {
   while (!stop_) {
@@ -297,8 +297,9 @@ bool Session::frameFromRecording() {
   }
   background_learned_ = true;
   if (!reader_->take(set_, 0.01)) {
-    if (reader_->atEnd()) {
+    if (reader_->atEnd() && !snapshot().ended) {
       endStroke();
+      if (options_.on_frame) options_.on_frame(pipeline_, nullptr);
       Snapshot ended = snapshot();
       ended.ended = true;
       publish(ended);
@@ -331,6 +332,10 @@ bool Session::frameFromRecording() {
   }
   last_frame_s_ = next.time_s;
   drawThumbnails(set_);
+  if (options_.on_frame) {
+    const PlayedFrame played{next.frame, next.time_s, next.learning, next.decode_ms, next.result};
+    options_.on_frame(pipeline_, &played);
+  }
   publish(next);
   return true;
 }
@@ -405,24 +410,11 @@ void Session::follow(const Snapshot& next) {
   frame.touched = next.result.clay.touched;
   frame.held = settings.clutch == Clutch::kContact || settings.clutch_down;
   frame.tracked = next.trust == HandTrust::kTracking;
-  const std::string name = strokes_.name();
-  if (strokes_.see(frame, nameOf(settings.tool)) == StrokeEvent::kEnded) commitStroke(name);
+  if (strokes_.see(frame, toolName(settings.tool), pipeline_.clay())) refreshDocumentView();
 }
 
 void Session::endStroke() {
-  const std::string name = strokes_.name();
-  if (strokes_.finish() == StrokeEvent::kEnded) commitStroke(name);
-}
-
-void Session::commitStroke(const std::string& name) {
-  document_.commit(name, currentState());
-  refreshDocumentView();
-}
-
-ClayState Session::currentState() const {
-  ClayState state = document_.state();
-  state.cage.points = pipeline_.clay().cage().points;
-  return state;
+  if (strokes_.finish(pipeline_.clay())) refreshDocumentView();
 }
 
 void Session::show(const ClayState& state) {
@@ -443,7 +435,8 @@ void Session::publish(Snapshot next) {
     frame_times_.push_back(now);
     next.serial = ++serial_;
   }
-  while (!frame_times_.empty() && now - frame_times_.front() > std::chrono::seconds(1)) frame_times_.pop_front();
+  while (!frame_times_.empty() && now - frame_times_.front() > std::chrono::seconds(1))
+    frame_times_.pop_front();
   next.rate_hz = static_cast<double>(frame_times_.size());
   next.sculpting = strokes_.underWay();
   const std::lock_guard lock(mutex_);

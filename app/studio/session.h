@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// What goes on behind the window: frames are tracked and clay is sculpted on a thread of its own, every stroke goes
-// into the document.
+// What goes on behind the window: frames are tracked and clay is sculpted on a thread of its own, every
+// stroke goes into the document.
 //
-// The window's thread looks at snapshots, draws the clay from the buffers that it lies in, and posts commands.
+// The window's thread looks at snapshots, draws the clay from the buffers that it lies in, and posts
+// commands.
 #pragma once
 
 #include <atomic>
@@ -10,17 +11,18 @@
 #include <functional>
 #include <shared_mutex>
 
+#include "app/kept_strokes.h"
+#include "app/player.h"
 #include "app/studio/frame_reader.h"
 #include "engine/document.h"
 #include "engine/one_euro.h"
 #include "engine/pipeline.h"
-#include "engine/strokes.h"
 
 namespace airclay {
 
 /// How well the hand is known.
 enum class HandTrust {
-  kNobody,     ///< nobody there
+  kNobody,  ///< nobody there
   kTracking,
   kUncertain,  ///< a pose, but a doubtful one: the clay does not move
   kLost,
@@ -58,7 +60,7 @@ struct Snapshot {
   FrameResult result;
   double decode_ms = 0, steady_ms = 0;  ///< the filter's lag
   Clock::time_point captured_at;
-  double rate_hz = 0;  ///< frames that went through in the last second
+  double rate_hz = 0;      ///< frames that went through in the last second
   bool sculpting = false;  ///< a stroke is under way
 };
 
@@ -79,6 +81,9 @@ class Session {
     Rig rig;
     HandModel hand;
     int voxels = 128;
+    /// Called after every frame of the recording, on the session's own thread, and once at its end, without a
+    /// frame.
+    std::function<void(const Pipeline&, const PlayedFrame*)> on_frame;
   };
 
   /// `document` holds the clay.
@@ -111,7 +116,8 @@ class Session {
   void pauseTake(bool paused);
   void forgetHand();
 
-  /// The clay as it lies on the device, and its form; `look` must submit all that it records before it returns.
+  /// The clay as it lies on the device, and its form; `look` must submit all that it records before it
+  /// returns.
   struct ClayOnDevice {
     const Clay& clay;
     const ClayState& form;  ///< its cage's points are those of long ago
@@ -137,8 +143,6 @@ class Session {
   void sculpt(Snapshot& next, double step_s);
   void follow(const Snapshot& next);
   void endStroke();
-  void commitStroke(const std::string& name);
-  ClayState currentState() const;
   void show(const ClayState& state);
   void publish(Snapshot next);
   void refreshDocumentView();
@@ -154,7 +158,7 @@ class Session {
   std::uint64_t form_serial_ = 1;
   std::optional<FrameReader> reader_;
   FrameSet set_;
-  StrokeWatch strokes_;
+  KeptStrokes strokes_;
   OneEuroPose steady_;
   Buffer<std::uint32_t> thumbnails_;
   std::vector<std::size_t> thumbnail_starts_;

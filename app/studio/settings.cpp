@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "app/studio/settings.h"
 
+#include <toml++/toml.h>
 #include <algorithm>
 #include <cstdlib>
 #include <sstream>
-#include <toml++/toml.h>
 
 #include "app/command.h"
 #include "engine/error.h"
@@ -82,12 +82,9 @@ StudioSettings loadSettings() {
 
 void saveSettings(const StudioSettings& settings) {
   StudioSettings copy = settings;
-  toml::table table{{"window_width", settings.window_width},
-                    {"window_height", settings.window_height},
-                    {"clutch_key", settings.clutch_key},
-                    {"tool", static_cast<int>(settings.tool)},
-                    {"clutch", static_cast<int>(settings.clutch)},
-                    {"text_scale", settings.text_scale},
+  toml::table table{{"window_width", settings.window_width},       {"window_height", settings.window_height},
+                    {"clutch_key", settings.clutch_key},           {"tool", static_cast<int>(settings.tool)},
+                    {"clutch", static_cast<int>(settings.clutch)}, {"text_scale", settings.text_scale},
                     {"folder", settings.folder.string()}};
   for (const Switch& one : switchesOf(copy)) table.insert(one.key, one.value);
   std::ostringstream text;

@@ -62,7 +62,8 @@ void Stage::record(Recorder& recorder, const Session::ClayOnDevice& clay, const 
   }
   const Workspace& workspace = session_.rig().workspace;
   std::optional<Pose> workspace_from_hand;
-  if (snapshot.world_from_hand) workspace_from_hand = workspaceFromWorld(workspace) * *snapshot.world_from_hand;
+  if (snapshot.world_from_hand)
+    workspace_from_hand = workspaceFromWorld(workspace) * *snapshot.world_from_hand;
   measure(clay.clay, workspace_from_hand);
 
   surface_->record(recorder, clay.clay.controlPoints());
@@ -103,12 +104,14 @@ std::vector<std::pair<Vec2, Vec2>> Stage::outline(std::size_t camera, const Pose
   std::vector<char> faces_camera;
   for (const auto& [a, b, c] : skin.triangles) {
     const Vec3& corner = skin.vertices[std::size_t(a)];
-    const Vec3 normal = (skin.vertices[std::size_t(b)] - corner).cross(skin.vertices[std::size_t(c)] - corner);
+    const Vec3 normal =
+        (skin.vertices[std::size_t(b)] - corner).cross(skin.vertices[std::size_t(c)] - corner);
     faces_camera.push_back(normal.dot(eye_in_hand - corner) > 0);
   }
   std::vector<std::pair<Vec2, Vec2>> lines;
   for (const SkinEdge& edge : skin_edges_) {
-    if (edge.right >= 0 && faces_camera[std::size_t(edge.left)] == faces_camera[std::size_t(edge.right)]) continue;
+    if (edge.right >= 0 && faces_camera[std::size_t(edge.left)] == faces_camera[std::size_t(edge.right)])
+      continue;
     const auto a = project(seen_by, world_from_hand * skin.vertices[std::size_t(edge.a)]);
     const auto b = project(seen_by, world_from_hand * skin.vertices[std::size_t(edge.b)]);
     if (a && b) lines.emplace_back(*a, *b);

@@ -4,10 +4,10 @@
 
 #include <optional>
 
+#include "app/pictures.h"
 #include "app/studio/session.h"
 #include "app/studio/settings.h"
 #include "app/studio/view_control.h"
-#include "app/pictures.h"
 #include "engine/renderer.h"
 
 namespace airclay {
@@ -16,14 +16,14 @@ class Stage {
  public:
   Stage(Gpu& gpu, const Session& session, const std::optional<TriangleMesh>& forearm);
 
-  /// Records the picture of `snapshot`, `width` x `height` pixels; it is in picture() when the work is done. The clay
-  /// may not change its form until that is submitted. \pre the work recorded before is done
+  /// Records the picture of `snapshot`, `width` x `height` pixels; it is in picture() when the work is done.
+  /// The clay may not change its form until that is submitted. \pre the work recorded before is done
   void record(Recorder& recorder, const Session::ClayOnDevice& clay, const Snapshot& snapshot,
               const StudioSettings& settings, const View& view, int width, int height);
   Image& picture() { return renderer_->picture(); }
 
-  /// The smallest distance between the hand's skin and the clay's data points; negative: that deep inside. None when the
-  /// hand is out of reach.
+  /// The smallest distance between the hand's skin and the clay's data points; negative: that deep inside.
+  /// None when the hand is out of reach.
   std::optional<double> gapMetres() const { return gap_m_; }
   /// A ball around the clay, workspace frame.
   Vec3 clayCenter() const { return clay_center_; }

@@ -19,8 +19,8 @@ namespace airclay {
 namespace {
 
 constexpr double kNoteSeconds = 4, kLogSeconds = 1;
-constexpr double kTurnRadS = 1.2;         // of the clay and the mouse's hand, while a key is held
-constexpr double kQuietPictureS = 0.2;    // between pictures when nothing happens
+constexpr double kTurnRadS = 1.2;       // of the clay and the mouse's hand, while a key is held
+constexpr double kQuietPictureS = 0.2;  // between pictures when nothing happens
 
 double secondsBetween(Clock::time_point from, Clock::time_point to) {
   return std::chrono::duration<double>(to - from).count();
@@ -116,7 +116,8 @@ class Studio {
     recorder_.wait();
     recorded_ = false;
     std::optional<double> latency_ms;
-    if (snapshot.serial != drawn_serial_) latency_ms = 1000 * secondsBetween(snapshot.captured_at, Clock::now());
+    if (snapshot.serial != drawn_serial_)
+      latency_ms = 1000 * secondsBetween(snapshot.captured_at, Clock::now());
     drawn_serial_ = snapshot.serial;
     meter_.shown(latency_ms);
   }
@@ -131,7 +132,9 @@ class Studio {
                          bool repeats = false) {
       return KeyBinding{code, true, shift, shown, does, std::move(act), repeats};
     };
-    const auto shown_only = [](const char* shown, const char* does) { return KeyBinding{0, false, false, shown, does, {}, false}; };
+    const auto shown_only = [](const char* shown, const char* does) {
+      return KeyBinding{0, false, false, shown, does, {}, false};
+    };
     keys_ = {
         {"Sculpt",
          {key(GLFW_KEY_1, "1", "push", [this] { settings_.tool = Tool::kPush; }),
@@ -143,9 +146,12 @@ class Studio {
           shown_only("Arrows", "turn the clay"),
           key(GLFW_KEY_R, "R", "refine: the same surface, a finer cage", [this] { session_.refineClay(); })}},
         {"Undo and files",
-         {ctrl(GLFW_KEY_Z, false, "Ctrl Z", "undo", [this] { session_.undo(); }, true),
-          ctrl(GLFW_KEY_Z, true, "Ctrl Shift Z", "redo", [this] { session_.redo(); }, true),
-          ctrl(GLFW_KEY_Y, false, "Ctrl Y", "redo", [this] { session_.redo(); }, true),
+         {ctrl(
+              GLFW_KEY_Z, false, "Ctrl Z", "undo", [this] { session_.undo(); }, true),
+          ctrl(
+              GLFW_KEY_Z, true, "Ctrl Shift Z", "redo", [this] { session_.redo(); }, true),
+          ctrl(
+              GLFW_KEY_Y, false, "Ctrl Y", "redo", [this] { session_.redo(); }, true),
           ctrl(GLFW_KEY_O, false, "Ctrl O", "open a document", [this] { askOpen(); }),
           ctrl(GLFW_KEY_S, false, "Ctrl S", "save as: every edit is kept anyway", [this] { askSave(); }),
           ctrl(GLFW_KEY_E, false, "Ctrl E", "export", [this] { askExport(true); }),
@@ -155,7 +161,8 @@ class Studio {
           key(GLFW_KEY_5, "5", "front", [this] { view_.front(); }),
           key(GLFW_KEY_6, "6", "side", [this] { view_.side(); }),
           key(GLFW_KEY_7, "7", "top", [this] { view_.top(); }),
-          key(GLFW_KEY_F, "F", "fit the clay", [this] { view_.fit(stage_.clayCenter(), stage_.clayRadius()); }),
+          key(GLFW_KEY_F, "F", "fit the clay",
+              [this] { view_.fit(stage_.clayCenter(), stage_.clayRadius()); }),
           key(GLFW_KEY_HOME, "Home", "the first view again", [this] { view_.reset(); })}},
         {"Show",
          {key(GLFW_KEY_G, "G", "control cage", [this] { settings_.show_cage ^= true; }),
@@ -166,16 +173,18 @@ class Studio {
           key(GLFW_KEY_TAB, "Tab", "panels", [this] { settings_.show_panels ^= true; }),
           key(GLFW_KEY_F1, "F1", "this help", [this] { show_help_ = !show_help_; })}}};
     if (session_.hasRecording())
-      keys_.push_back({"Recording",
-                       {key(GLFW_KEY_BACKSPACE, "Backspace", "from the start", [this] { session_.restartTake(); }),
-                        key(GLFW_KEY_PAUSE, "Pause", "pause, go on",
-                            [this] { session_.pauseTake(paused_ = !paused_); })}});
+      keys_.push_back(
+          {"Recording",
+           {key(GLFW_KEY_BACKSPACE, "Backspace", "from the start", [this] { session_.restartTake(); }),
+            key(GLFW_KEY_PAUSE, "Pause", "pause, go on",
+                [this] { session_.pauseTake(paused_ = !paused_); })}});
     else
-      keys_.push_back({"The mouse's hand",
-                       {shown_only("Left drag", "moves it"), shown_only("Shift wheel, W S", "farther, nearer"),
-                        shown_only("J L, I K, U O", "turn it"),
-                        key(GLFW_KEY_H, "H", "take it away, bring it back",
-                            [this] { mouse_hand_.present = !mouse_hand_.present; })}});
+      keys_.push_back(
+          {"The mouse's hand",
+           {shown_only("Left drag", "moves it"), shown_only("Shift wheel, W S", "farther, nearer"),
+            shown_only("J L, I K, U O", "turn it"),
+            key(GLFW_KEY_H, "H", "take it away, bring it back",
+                [this] { mouse_hand_.present = !mouse_hand_.present; })}});
   }
 
   void takeInput(double step_s) {
@@ -218,7 +227,8 @@ class Studio {
                  about_right = direction(GLFW_KEY_DOWN, GLFW_KEY_UP);
     const bool turning = about_up != 0 || about_right != 0;
     if (turning || turning_clay_) {
-      const Vec3 axis = turning ? Vec3(about_up * Vec3::UnitZ() + about_right * view_.right()) : Vec3::UnitZ();
+      const Vec3 axis =
+          turning ? Vec3(about_up * Vec3::UnitZ() + about_right * view_.right()) : Vec3::UnitZ();
       session_.turn(axis.normalized(), turning ? kTurnRadS * step_s : 0, !turning);
       turning_clay_ = turning;
     }
@@ -229,7 +239,8 @@ class Studio {
                       direction(GLFW_KEY_K, GLFW_KEY_I) * view_.right() +
                       direction(GLFW_KEY_O, GLFW_KEY_U) * view_.forward();
     if (turn.norm() > 0)
-      hand.linear() = Eigen::AngleAxisd(kTurnRadS * step_s, turn.normalized()).toRotationMatrix() * hand.linear();
+      hand.linear() =
+          Eigen::AngleAxisd(kTurnRadS * step_s, turn.normalized()).toRotationMatrix() * hand.linear();
   }
 
   // --- files ---
@@ -272,18 +283,21 @@ class Studio {
     else if (file.extension() == ".obj")
       session_.importCage(file);
     else
-      notes_.push_back({file.filename().string() + " is neither a document (.clay) nor a cage (.obj)", Clock::now()});
+      notes_.push_back(
+          {file.filename().string() + " is neither a document (.clay) nor a cage (.obj)", Clock::now()});
   }
 
   void drawNotes() {
     for (const std::string& words : session_.takeNotes()) notes_.push_back({words, Clock::now()});
-    while (!notes_.empty() && secondsBetween(notes_.front().since, Clock::now()) > kNoteSeconds) notes_.pop_front();
+    while (!notes_.empty() && secondsBetween(notes_.front().since, Clock::now()) > kNoteSeconds)
+      notes_.pop_front();
     if (notes_.empty()) return;
     const ImVec2 size = ImGui::GetIO().DisplaySize;
     ImGui::SetNextWindowPos(ImVec2(size.x / 2, 3 * ImGui::GetFontSize()), ImGuiCond_Always, ImVec2(0.5f, 0));
     ImGui::Begin("##notes", nullptr,
-                 ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_AlwaysAutoResize |
-                     ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing);
+                 ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs |
+                     ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings |
+                     ImGuiWindowFlags_NoFocusOnAppearing);
     for (const Note& note : notes_) ImGui::TextUnformatted(note.words.c_str());
     ImGui::End();
   }

@@ -87,7 +87,8 @@ void Swapchain::resize(std::uint32_t width, std::uint32_t height) {
   gpu_.waitIdle();
   destroyImages();
   VkSurfaceCapabilitiesKHR can;
-  check(vkGetPhysicalDeviceSurfaceCapabilitiesKHR(gpu_.physicalDevice(), surface_, &can), "ask about the window");
+  check(vkGetPhysicalDeviceSurfaceCapabilitiesKHR(gpu_.physicalDevice(), surface_, &can),
+        "ask about the window");
   extent_ = {std::clamp(width, can.minImageExtent.width, std::max(can.maxImageExtent.width, 1u)),
              std::clamp(height, can.minImageExtent.height, std::max(can.maxImageExtent.height, 1u))};
   VkSwapchainCreateInfoKHR info{VK_STRUCTURE_TYPE_SWAPCHAIN_CREATE_INFO_KHR};
@@ -112,7 +113,8 @@ void Swapchain::resize(std::uint32_t width, std::uint32_t height) {
   std::uint32_t count = 0;
   check(vkGetSwapchainImagesKHR(gpu_.device(), swapchain_, &count, nullptr), "make the window's images");
   std::vector<VkImage> images(count);
-  check(vkGetSwapchainImagesKHR(gpu_.device(), swapchain_, &count, images.data()), "make the window's images");
+  check(vkGetSwapchainImagesKHR(gpu_.device(), swapchain_, &count, images.data()),
+        "make the window's images");
   for (VkImage image : images) {
     Shown& shown = images_.emplace_back();
     shown.image = image;
@@ -129,7 +131,8 @@ void Swapchain::resize(std::uint32_t width, std::uint32_t height) {
     framebuffer.width = extent_.width;
     framebuffer.height = extent_.height;
     framebuffer.layers = 1;
-    check(vkCreateFramebuffer(gpu_.device(), &framebuffer, nullptr, &shown.framebuffer), "make a framebuffer");
+    check(vkCreateFramebuffer(gpu_.device(), &framebuffer, nullptr, &shown.framebuffer),
+          "make a framebuffer");
     shown.drawn = makeSemaphore();
   }
 }

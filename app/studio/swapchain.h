@@ -9,7 +9,8 @@
 
 namespace airclay {
 
-/// Owns the surface's images, their framebuffers for Dear ImGui, and what tells when each may be drawn and shown.
+/// Owns the surface's images, their framebuffers for Dear ImGui, and what tells when each may be drawn and
+/// shown.
 class Swapchain {
  public:
   /// Takes the surface over. \throw Error (Fault::kDevice) when the device cannot show pictures on it.
@@ -32,8 +33,8 @@ class Swapchain {
     VkSemaphore ready = VK_NULL_HANDLE;  ///< signalled when the image may be drawn into
     VkSemaphore drawn = VK_NULL_HANDLE;  ///< to be signalled when it has been
   };
-  /// The next image; none when the window has changed: resize(), and ask again. \pre the last picture's submission is
-  /// done
+  /// The next image; none when the window has changed: resize(), and ask again. \pre the last picture's
+  /// submission is done
   std::optional<Target> acquire();
   /// False when the window has changed.
   bool show(const Target& target);

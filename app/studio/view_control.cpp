@@ -34,7 +34,8 @@ void ViewControl::pan(const Vec2& drag_px, double height_px) {
 }
 
 void ViewControl::zoom(double steps) {
-  orbit_.distance_m = std::clamp(orbit_.distance_m * std::pow(kZoomAStep, steps), 0.1 * edge_m_, 12 * edge_m_);
+  orbit_.distance_m =
+      std::clamp(orbit_.distance_m * std::pow(kZoomAStep, steps), 0.1 * edge_m_, 12 * edge_m_);
 }
 
 void ViewControl::fit(const Vec3& center, double radius_m) {

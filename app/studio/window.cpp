@@ -70,7 +70,8 @@ void fillWith(VkCommandBuffer commands, Image& picture, VkImage image, VkExtent2
   region.dstOffsets[1] = {static_cast<int>(extent.width), static_cast<int>(extent.height), 1};
   const bool same = picture.width() == extent.width && picture.height() == extent.height;
   vkCmdBlitImage(commands, picture.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, image,
-                 VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region, same ? VK_FILTER_NEAREST : VK_FILTER_LINEAR);
+                 VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region,
+                 same ? VK_FILTER_NEAREST : VK_FILTER_LINEAR);
 }
 
 void lay(VkCommandBuffer commands, const Inset& inset, VkImage image, VkExtent2D extent) {
@@ -83,8 +84,8 @@ void lay(VkCommandBuffer commands, const Inset& inset, VkImage image, VkExtent2D
   region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
   region.imageOffset = {inset.left, inset.top, 0};
   region.imageExtent = {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), 1};
-  vkCmdCopyBufferToImage(commands, inset.pixels->raw().handle(), image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
-                         &region);
+  vkCmdCopyBufferToImage(commands, inset.pixels->raw().handle(), image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                         1, &region);
 }
 
 }  // namespace
@@ -257,9 +258,11 @@ void Window::present(Recorder& recorder, Image& picture, std::span<const Inset> 
   transition(commands, target.image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
   fillWith(commands, picture, target.image, extent);
   if (!insets.empty())
-    transition(commands, target.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    transition(commands, target.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+               VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
   for (const Inset& inset : insets) lay(commands, inset, target.image, extent);
-  transition(commands, target.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+  transition(commands, target.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+             VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
 
   VkRenderPassBeginInfo pass{VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO};
   pass.renderPass = parts_->swapchain->renderPass();

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // A window on the display (GLFW) that shows the engine's pictures, with Dear ImGui over them.
 //
-// The picture is drawn offscreen by engine/renderer.h and copied into the window's image; Dear ImGui 1.86 draws over
-// it in the one VkRenderPass that there is.
+// The picture is drawn offscreen by engine/renderer.h and copied into the window's image; Dear ImGui 1.86
+// draws over it in the one VkRenderPass that there is.
 #pragma once
 
 #include <filesystem>
@@ -20,9 +20,9 @@ namespace airclay {
 /// Small pictures that lie on the window's picture, under the interface: B G R A bytes, rows from the top.
 struct Inset {
   const Buffer<std::uint32_t>* pixels = nullptr;
-  std::size_t first = 0;     ///< of `pixels`
+  std::size_t first = 0;      ///< of `pixels`
   int width = 0, height = 0;  ///< pixels
-  int left = 0, top = 0;     ///< in the window, pixels
+  int left = 0, top = 0;      ///< in the window, pixels
 };
 
 class Window {
@@ -53,16 +53,17 @@ class Window {
   /// Files dropped on the window since the last call.
   std::vector<std::filesystem::path> takeDropped();
 
-  int width() const;    ///< pixels; 0 while minimised
-  int height() const;   ///< pixels
+  int width() const;     ///< pixels; 0 while minimised
+  int height() const;    ///< pixels
   double scale() const;  ///< pixels a point of the interface, as the display wants it
   /// In screen units, to be remembered.
   std::pair<int, int> sizeOnScreen() const;
 
   /// Begins a picture and its interface: ImGui calls may follow. False while there is nothing to draw on.
   bool begin();
-  /// Ends both: `picture` fills the window, `insets` lie on it, the interface over all. Submits what `recorder`
-  /// has, and returns without waiting for it. \pre begin() was true; the recorder's commands draw `picture`
+  /// Ends both: `picture` fills the window, `insets` lie on it, the interface over all. Submits what
+  /// `recorder` has, and returns without waiting for it. \pre begin() was true; the recorder's commands draw
+  /// `picture`
   void present(Recorder& recorder, Image& picture, std::span<const Inset> insets);
 
  private:
