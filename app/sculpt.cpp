@@ -164,7 +164,7 @@ void sculptTake(const SculptOptions& options) {
   sculpting.out = options.out;
   CommandGpu gpu(options);
   if (wantsWindow(options)) {
-    Session::Options session{&take, take.rig(), sculpting.hand, options.voxels, {}};
+    Session::Options session{&take, take.rig(), sculpting.hand, options.voxels, {}, {}};
     sculptInWindow(gpu, session, options, {.forearm = sculpting.forearm, .log = options.log});
     return;
   }
@@ -182,7 +182,7 @@ void sculptByMouse(const SculptOptions& options) {
     throw Error(
         "say which recording: airclay sculpt TAKE; without one, the studio wants a display for its window",
         Fault::kUsage);
-  Session::Options session{nullptr, demoRig(), loadHand(options.hand), options.voxels, {}};
+  Session::Options session{nullptr, demoRig(), loadHand(options.hand), options.voxels, {}, {}};
   StudioOptions studio{.log = options.log};
   if (options.hand == "right" || options.hand == "left")
     studio.forearm = builtInForearm(options.hand == "left");
@@ -203,7 +203,7 @@ void runSculpt(const SculptOptions& options) {
 /// The same job with the window looking on: it closes at the end.
 void demoInWindow(Gpu& gpu, Recording& recording, const Sculpting& sculpting, const SculptOptions& options) {
   std::optional<SculptResults> results;
-  Session::Options session{&recording, recording.rig(), sculpting.hand, options.voxels, {}};
+  Session::Options session{&recording, recording.rig(), sculpting.hand, options.voxels, {}, {}};
   session.on_frame = [&](const Pipeline& pipeline, const PlayedFrame* frame) {
     if (!results) results.emplace(gpu, pipeline, recording, sculpting);
     if (frame)

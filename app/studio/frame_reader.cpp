@@ -4,6 +4,13 @@
 #include <utility>
 
 namespace airclay {
+namespace {
+
+constexpr double kReadAhead = 2;       // times the last frame's decoding: it varies
+constexpr double kPaceShare = 0.2;     // of the newest interval in the running mean
+constexpr double kSlowestPaceS = 0.1;  // a search takes longer, and says nothing of the pace
+
+}  // namespace
 
 FrameReader::FrameReader(Recording& recording) : recording_(recording), thread_([this] { run(); }) {}
 
@@ -18,16 +25,14 @@ FrameReader::~FrameReader() {
 
 void FrameReader::run() {
   FrameSet set;
-  for (const Camera& camera : recording_.rig().cameras)
-    set.bytes.emplace_back(std::size_t(camera.width) * std::size_t(camera.height) *
-                           (recording_.hasSilhouettes() ? 1 : 3));
-  slot_.bytes = set.bytes;
   try {
     while (waitForRoom()) {
       read(set);
       const std::lock_guard lock(mutex_);
       if (restart_) continue;  // what was read is of the last round
       std::swap(slot_, set);
+      last_captured_ = slot_.captured_at;
+      slot_decode_ms_ = slot_.decode_ms;
       full_ = true;
       ++next_;
       changed_.notify_all();
@@ -39,25 +44,33 @@ void FrameReader::run() {
   }
 }
 
+/// When the next frame is due: at the recording's own pace, or at that of whoever takes the frames when that
+/// is slower. It is not read long before it is wanted: what waits is late when it is shown.
+Clock::time_point FrameReader::due() const {
+  const auto seconds = [](double s) {
+    return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));
+  };
+  if (next_ == 0) return Clock::now();
+  const double wait_s = takes_every_s_ - kReadAhead * 1e-3 * slot_decode_ms_;
+  return std::max(last_captured_ + seconds(1 / recording_.rateHz()),
+                  last_taken_ + seconds(std::max(0.0, wait_s)));
+}
+
 bool FrameReader::waitForRoom() {
-  Clock::time_point due = Clock::now();
   std::unique_lock lock(mutex_);
-  if (next_ > 0)
-    due = slot_.captured_at +
-          std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1 / recording_.rateHz()));
   while (!stop_) {
     if (restart_) {
       restart_ = full_ = ended_ = false;
       next_ = 0;
-      due = Clock::now();
     }
     ended_ = next_ == recording_.frameCount() && !full_;
     const bool idle = full_ || paused_ || next_ == recording_.frameCount();
-    if (!idle && Clock::now() >= due) return true;
+    const Clock::time_point when = due();
+    if (!idle && Clock::now() >= when) return true;
     if (idle)
       changed_.wait(lock);
     else
-      changed_.wait_until(lock, due);
+      changed_.wait_until(lock, when);
   }
   return false;
 }
@@ -66,6 +79,11 @@ void FrameReader::read(FrameSet& set) {
   set.frame = next_;
   set.time_s = recording_.timeOf(set.frame);
   set.captured_at = Clock::now();
+  const std::vector<Camera>& cameras = recording_.rig().cameras;
+  set.bytes.resize(cameras.size());  // whoever took the last set gave another for it
+  for (std::size_t c = 0; c < cameras.size(); ++c)
+    set.bytes[c].resize(std::size_t(cameras[c].width) * std::size_t(cameras[c].height) *
+                        (recording_.hasSilhouettes() ? 1 : 3));
   std::vector<std::span<std::uint8_t>> buffers(set.bytes.begin(), set.bytes.end());
   if (recording_.hasSilhouettes())
     recording_.readSilhouettes(set.frame, buffers);
@@ -80,7 +98,10 @@ bool FrameReader::take(FrameSet& set, double wait_s) {
   if (fault_) std::rethrow_exception(std::exchange(fault_, nullptr));
   if (!full_) return false;
   std::swap(slot_, set);
-  slot_.captured_at = set.captured_at;
+  const auto now = Clock::now();
+  const double since_s = std::chrono::duration<double>(now - last_taken_).count();
+  takes_every_s_ += kPaceShare * (std::min(since_s, kSlowestPaceS) - takes_every_s_);
+  last_taken_ = now;
   full_ = false;
   changed_.notify_all();
   return true;

@@ -43,6 +43,7 @@ class FrameReader {
  private:
   void run();
   bool waitForRoom();
+  Clock::time_point due() const;
   void read(FrameSet& set);
 
   Recording& recording_;
@@ -51,6 +52,8 @@ class FrameReader {
   bool stop_ = false, paused_ = false, restart_ = false, full_ = false;
   int next_ = 0;  ///< frame to be read
   bool ended_ = false;
+  Clock::time_point last_captured_{}, last_taken_ = Clock::now();
+  double takes_every_s_ = 0, slot_decode_ms_ = 0;
   FrameSet slot_;  ///< read, not taken yet: when full_
   std::exception_ptr fault_;
   std::thread thread_;

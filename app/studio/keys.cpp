@@ -3,6 +3,8 @@
 
 #include <imgui/imgui.h>
 
+#include <algorithm>
+
 #include "app/studio/look.h"
 
 namespace airclay {
@@ -29,24 +31,23 @@ bool drawHelp(const std::vector<KeyGroup>& groups) {
   ImGui::TextUnformatted("Keys and mouse");
   ImGui::PopFont();
   ImGui::Spacing();
-  if (ImGui::BeginTable("groups", 2, ImGuiTableFlags_SizingFixedFit)) {
-    for (const KeyGroup& group : groups) {
-      ImGui::TableNextColumn();
-      ImGui::TextDisabled("%s", group.title.c_str());
-      if (ImGui::BeginTable(group.title.c_str(), 2, ImGuiTableFlags_SizingFixedFit)) {
-        for (const KeyBinding& binding : group.bindings) {
-          ImGui::TableNextRow();
-          ImGui::TableNextColumn();
-          ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(look::kClay), "%s", binding.shown.c_str());
-          ImGui::TableNextColumn();
-          ImGui::TextUnformatted((binding.does + "    ").c_str());
-        }
-        ImGui::EndTable();
-      }
-      ImGui::Spacing();
+  const float key_width = 8.5f * ImGui::GetFontSize(), column = 27 * ImGui::GetFontSize();
+  const float left = ImGui::GetCursorPosX(), top = ImGui::GetCursorPosY();
+  float bottoms[2] = {top, top};
+  for (const KeyGroup& group : groups) {
+    const std::size_t side = bottoms[1] < bottoms[0];  // the shorter column
+    const float x = left + static_cast<float>(side) * column;
+    ImGui::SetCursorPos(ImVec2(x, bottoms[side]));
+    ImGui::TextDisabled("%s", group.title.c_str());
+    for (const KeyBinding& binding : group.bindings) {
+      ImGui::SetCursorPosX(x);
+      ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(look::kClay), "%s", binding.shown.c_str());
+      ImGui::SameLine(x + key_width);
+      ImGui::TextUnformatted(binding.does.c_str());
     }
-    ImGui::EndTable();
+    bottoms[side] = ImGui::GetCursorPosY() + ImGui::GetFontSize() / 2;
   }
+  ImGui::SetCursorPos(ImVec2(left, std::max(bottoms[0], bottoms[1])));
   ImGui::Separator();
   ImGui::TextDisabled("Esc or F1 closes this");
   const bool clicked_away = ImGui::IsMouseClicked(0) && !ImGui::IsWindowHovered();

@@ -15,7 +15,7 @@ namespace {
 
 // Half of what the tracker still believes: there the pose may be off by a centimetre.
 constexpr double kDoubtfulShare = 0.35, kDoubtfulMetres = 0.0012;
-constexpr double kMouseFrameS = 1.0 / 60;
+constexpr double kMouseFrameS = 1.0 / 30;
 
 HandTrust trustIn(const FrameResult& result) {
   switch (result.hand) {
@@ -439,8 +439,11 @@ void Session::publish(Snapshot next) {
     frame_times_.pop_front();
   next.rate_hz = static_cast<double>(frame_times_.size());
   next.sculpting = strokes_.underWay();
-  const std::lock_guard lock(mutex_);
-  snapshot_ = std::move(next);
+  {
+    const std::lock_guard lock(mutex_);
+    snapshot_ = std::move(next);
+  }
+  if (options_.wake) options_.wake();
 }
 
 void Session::refreshDocumentView() {

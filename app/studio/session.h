@@ -84,6 +84,7 @@ class Session {
     /// Called after every frame of the recording, on the session's own thread, and once at its end, without a
     /// frame.
     std::function<void(const Pipeline&, const PlayedFrame*)> on_frame;
+    std::function<void()> wake;  ///< called from the session's thread when there is a new snapshot
   };
 
   /// `document` holds the clay.

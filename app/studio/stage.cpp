@@ -2,6 +2,7 @@
 #include "app/studio/stage.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "engine/clay.h"
@@ -13,6 +14,8 @@ namespace {
 constexpr std::size_t kMeasuredPoints = 2000;
 /// 15 cm: farther away nobody asks how far.
 constexpr double kFarthestGap = 0.15;
+/// A software device draws what moves in a third of the pixels; what rests is drawn in all of them.
+constexpr double kMovingScale = 0.6;
 
 }  // namespace
 
@@ -48,14 +51,23 @@ void Stage::measure(const Clay& clay, const std::optional<Pose>& workspace_from_
   if (nearest < kFarthestGap) gap_m_ = nearest;
 }
 
+Renderer& Stage::rendererFor(int width, int height, bool moving) {
+  const bool software = gpu_.isCpu();
+  const double scale = software && moving ? kMovingScale : 1;
+  RendererOptions options;
+  options.width = std::max(1, static_cast<int>(std::lround(scale * width)));
+  options.height = std::max(1, static_cast<int>(std::lround(scale * height)));
+  if (software) options = RendererOptions::live(options.width, options.height);
+  options.readback = false;
+  std::unique_ptr<Renderer>& renderer = renderers_[software && moving];
+  if (!renderer || renderer->width() != options.width || renderer->height() != options.height)
+    renderer = std::make_unique<Renderer>(gpu_, options);
+  return *renderer;
+}
+
 void Stage::record(Recorder& recorder, const Session::ClayOnDevice& clay, const Snapshot& snapshot,
-                   const StudioSettings& settings, const View& view, int width, int height) {
-  if (!renderer_ || renderer_->width() != width || renderer_->height() != height) {
-    RendererOptions options = gpu_.isCpu() ? RendererOptions::live(width, height)
-                                           : RendererOptions{.width = width, .height = height};
-    options.readback = false;
-    renderer_ = std::make_unique<Renderer>(gpu_, options);
-  }
+                   const StudioSettings& settings, const StagePicture& wanted) {
+  drawn_ = &rendererFor(wanted.width, wanted.height, wanted.moving);
   if (form_serial_ != clay.form_serial) {
     surface_ = std::make_unique<DisplaySurface>(gpu_, clay.form.cage, clay.form.rule, clay.form.levels);
     form_serial_ = clay.form_serial;
@@ -94,7 +106,7 @@ void Stage::record(Recorder& recorder, const Session::ClayOnDevice& clay, const 
   }
   if (settings.show_skeleton && workspace_from_hand)
     scene.capsules = skeletonCapsules(session_.hand(), *workspace_from_hand);
-  renderer_->record(recorder, scene, view);
+  drawn_->record(recorder, scene, wanted.view);
 }
 
 std::vector<std::pair<Vec2, Vec2>> Stage::outline(std::size_t camera, const Pose& world_from_hand) const {

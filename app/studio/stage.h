@@ -12,15 +12,22 @@
 
 namespace airclay {
 
+struct StagePicture {
+  View view;
+  int width = 0, height = 0;  ///< of the window, pixels
+  bool moving = false;        ///< something changes from picture to picture
+};
+
 class Stage {
  public:
   Stage(Gpu& gpu, const Session& session, const std::optional<TriangleMesh>& forearm);
 
-  /// Records the picture of `snapshot`, `width` x `height` pixels; it is in picture() when the work is done.
-  /// The clay may not change its form until that is submitted. \pre the work recorded before is done
+  /// Records the picture of `snapshot`; it is in picture() when the work is done. The clay may not change its
+  /// form until that is submitted. \pre the work recorded before is done
   void record(Recorder& recorder, const Session::ClayOnDevice& clay, const Snapshot& snapshot,
-              const StudioSettings& settings, const View& view, int width, int height);
-  Image& picture() { return renderer_->picture(); }
+              const StudioSettings& settings, const StagePicture& wanted);
+  /// The last one; smaller than wanted where a software device draws what moves.
+  Image& picture() { return drawn_->picture(); }
 
   /// The smallest distance between the hand's skin and the clay's data points; negative: that deep inside.
   /// None when the hand is out of reach.
@@ -32,6 +39,7 @@ class Stage {
   std::vector<std::pair<Vec2, Vec2>> outline(std::size_t camera, const Pose& world_from_hand) const;
 
  private:
+  Renderer& rendererFor(int width, int height, bool moving);
   void measure(const Clay& clay, const std::optional<Pose>& workspace_from_hand);
 
   /// An edge of the skin and the triangles on both sides.
@@ -43,7 +51,8 @@ class Stage {
   const Session& session_;
   DrawnHand hand_;
   std::vector<SkinEdge> skin_edges_;
-  std::unique_ptr<Renderer> renderer_;
+  std::array<std::unique_ptr<Renderer>, 2> renderers_;  ///< for what rests, and for what moves
+  Renderer* drawn_ = nullptr;                           ///< the one of the last picture
   std::unique_ptr<DisplaySurface> surface_;
   std::uint64_t form_serial_ = 0;
   double ground_z_m_ = 0;

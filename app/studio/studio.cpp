@@ -20,6 +20,7 @@ namespace {
 
 constexpr double kNoteSeconds = 4, kLogSeconds = 1;
 constexpr double kTurnRadS = 1.2;       // of the clay and the mouse's hand, while a key is held
+constexpr double kMovingSeconds = 0.5;  // after the last frame, key or mouse
 constexpr double kQuietPictureS = 0.2;  // between pictures when nothing happens
 
 double secondsBetween(Clock::time_point from, Clock::time_point to) {
@@ -48,7 +49,7 @@ class Studio {
         options_(options),
         settings_(loadSettings()),
         window_(gpu, {options.title, settings_.window_width, settings_.window_height}),
-        session_(gpu, session, std::move(document)),
+        session_(gpu, waking(session), std::move(document)),
         stage_(gpu, session_, options.forearm),
         panels_(session_, settings_),
         view_(session.rig.workspace.edge_m),
@@ -80,18 +81,26 @@ class Studio {
   }
 
  private:
+  /// New frames end the window's wait for events.
+  static Session::Options waking(Session::Options session) {
+    session.wake = [] { glfwPostEmptyEvent(); };
+    return session;
+  }
+
   struct Note {
     std::string words;
     Clock::time_point since;
   };
 
-  /// A picture is drawn for every new frame and while something is being done, and now and then otherwise.
+  /// A picture is drawn for every new frame and while something is being done, and now and then otherwise. A
+  /// new frame ends the wait.
   double pollSeconds(const Snapshot& snapshot) const {
-    if (snapshot.serial != drawn_serial_ && session_.hasRecording()) return 0;
-    const double since = secondsBetween(last_input_, Clock::now());
-    const double interval = since < 1 || mouse_hand_.present ? 1.0 / 60 : kQuietPictureS;
+    const bool new_frame = session_.hasRecording() && snapshot.serial != drawn_serial_;
+    if (new_frame) return 0;
+    const double interval = moving() && !session_.hasRecording() ? 1.0 / 60 : kQuietPictureS;
     return std::clamp(interval - secondsBetween(last_picture_, Clock::now()), 0.0, interval);
   }
+  bool moving() const { return secondsBetween(last_change_, Clock::now()) < kMovingSeconds; }
 
   void drawPicture(const Snapshot& snapshot) {
     if (!window_.begin()) {
@@ -110,14 +119,16 @@ class Studio {
     recorded_ = true;
     session_.withClay([&](const Session::ClayOnDevice& clay) {
       recorder_.begin();
-      stage_.record(recorder_, clay, snapshot, settings_, view_.view(), window_.width(), window_.height());
+      stage_.record(recorder_, clay, snapshot, settings_,
+                    {view_.view(), window_.width(), window_.height(), moving()});
       window_.present(recorder_, stage_.picture(), panels_.insets());
     });
     recorder_.wait();
     recorded_ = false;
     std::optional<double> latency_ms;
-    if (snapshot.serial != drawn_serial_)
+    if (snapshot.serial != drawn_serial_ && snapshot.world_from_hand)
       latency_ms = 1000 * secondsBetween(snapshot.captured_at, Clock::now());
+    if (session_.hasRecording() && snapshot.serial != drawn_serial_) last_change_ = Clock::now();
     drawn_serial_ = snapshot.serial;
     meter_.shown(latency_ms);
   }
@@ -192,7 +203,7 @@ class Studio {
     const bool mouse_moved = io.MouseDelta.x != 0 || io.MouseDelta.y != 0 || io.MouseWheel != 0;
     bool any_key = false;
     for (const bool down : io.KeysDown) any_key = any_key || down;
-    if (mouse_moved || any_key || ImGui::IsAnyMouseDown()) last_input_ = Clock::now();
+    if (mouse_moved || any_key || ImGui::IsAnyMouseDown()) last_change_ = Clock::now();
     if (!chooser_.isOpen()) obeyKeys(keys_);
     if (!io.WantCaptureMouse) takeMouse(io);
     if (!io.WantTextInput && !chooser_.isOpen()) takeHeldKeys(io, step_s);
@@ -311,6 +322,9 @@ class Studio {
     if (!log_.is_open() || secondsBetween(last_log_, Clock::now()) < kLogSeconds) return;
     last_log_ = Clock::now();
     const DocumentView document = session_.documentView();
+    nlohmann::ordered_json stages;
+    for (const auto& [name, ms] : snapshot.result.stage_ms) stages[name] = ms;
+    for (const auto& [name, ms] : recorder_.stageMs()) stages[name] = ms;
     const nlohmann::ordered_json line = {{"picture_hz", meter_.pictureHz()},
                                          {"tracking_hz", snapshot.rate_hz},
                                          {"latency_ms", meter_.latencyMs()},
@@ -324,7 +338,9 @@ class Studio {
                                          {"data_points", document.data_points},
                                          {"width", window_.width()},
                                          {"height", window_.height()},
-                                         {"resident_mb", residentMegabytes()}};
+                                         {"resident_mb", residentMegabytes()},
+                                         {"decode_ms", snapshot.decode_ms},
+                                         {"stage_ms", stages}};
     log_ << line.dump() << std::endl;
   }
 
@@ -345,7 +361,7 @@ class Studio {
   std::ofstream log_;
   bool show_help_ = false, turning_clay_ = false, paused_ = false, recorded_ = false;
   std::uint64_t drawn_serial_ = 0;
-  Clock::time_point last_input_ = Clock::now(), last_picture_ = Clock::now(), last_log_{};
+  Clock::time_point last_change_ = Clock::now(), last_picture_ = Clock::now(), last_log_{};
 };
 
 void runStudio(Gpu& gpu, const Session::Options& session, Document document, const StudioOptions& options) {
