@@ -182,6 +182,7 @@ void Document::commit(const std::string& name, ClayState state) {
 }
 
 void Document::undo(int count) {
+  if (undoCount() == 0) throw Error(file_.string() + ": there is nothing to undo");
   if (count < 1 || count > undoCount())
     throw Error(file_.string() + ": " + std::to_string(count) + " edits cannot be undone; there are " +
                 std::to_string(undoCount()) + " to undo");
@@ -189,6 +190,7 @@ void Document::undo(int count) {
 }
 
 void Document::redo(int count) {
+  if (redoCount() == 0) throw Error(file_.string() + ": there is nothing to redo");
   if (count < 1 || count > redoCount())
     throw Error(file_.string() + ": " + std::to_string(count) + " edits cannot be redone; there are " +
                 std::to_string(redoCount()) + " to redo");
@@ -327,7 +329,10 @@ std::vector<std::vector<int>> Document::loadFaces(std::int64_t connectivity, std
   if (count < 1 || count > static_cast<std::int64_t>(kMaxStatePoints))
     database_.failDamaged("a cage of " + std::to_string(count) + " points");
   point_count = static_cast<std::size_t>(count);
-  const std::vector<int> values = valuesOf<int>(select.bytes(1));
+  const std::span<const std::byte> bytes = select.bytes(1);
+  if (bytes.size() % sizeof(int) != 0)
+    database_.failDamaged("faces of " + std::to_string(bytes.size()) + " bytes");
+  const std::vector<int> values = valuesOf<int>(bytes);
   std::vector<std::vector<int>> faces;
   for (std::size_t at = 0; at < values.size();) {
     const int corners = values[at++];

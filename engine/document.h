@@ -20,7 +20,8 @@ struct HistoryEntry {
 /// An open document. What state() gives is what the file holds, always: an edit is one transaction, on the
 /// disk when the call returns, and a call that throws has changed neither. So there is nothing to save, a
 /// crash costs at most the edit under way, and undo reaches back across restarts, without limit. No other
-/// program can open the file meanwhile. One thread at a time.
+/// program can open the file meanwhile; nor may this one, past this class: closing a file that was opened by
+/// other means drops the process' locks on it (POSIX). One thread at a time.
 ///
 /// \throw Error, from everything here, with the file's name first: it is no document, made by a newer
 /// Airclay, damaged, open elsewhere, or cannot be written; the disk is full.

@@ -29,7 +29,7 @@ void Grip::recordCheck(Recorder& recorder, const Buffer<vec3>& data_points, std:
   GripCheckArgs check{};
   check.points = points_;
   check.data_point_count = frame_.dataPointCount();
-  check.decision = frame_.decision(kGripLagWanted_m, kContactMaxRepeats);
+  check.decision = frame_.decision(kGripLagWanted_m, kContactMaxRepeats, kGripMaxStalls);
   recorder.dispatchIndirect(check_, check, frame_.groups(), ContactFrame::kCheckGroups);
 }
 

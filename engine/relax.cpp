@@ -13,7 +13,7 @@ namespace airclay {
 
 double relaxStrength(int levels, double frame_s) {
   const double roughest = 1 - std::cos(M_PI / std::exp2(levels));
-  return (1 - std::exp(-std::max(frame_s, 0.0) / kRelaxTime_s)) / (roughest * roughest);
+  return (1 - std::exp(-std::max(frame_s, 0.0) / (kRelaxRepeats * kRelaxTime_s))) / (roughest * roughest);
 }
 
 SurfaceNeighbours surfaceNeighbours(const std::vector<std::array<int, 4>>& quads,
@@ -60,12 +60,14 @@ Relaxer::Relaxer(Gpu& gpu, const ContactFrame& frame, const Subdivision& subdivi
   borders_ = Buffer<std::uint32_t>(gpu, neighbours.borders);
 }
 
-void Relaxer::recordFrame(Recorder& recorder, const Buffer<vec3>& data_points, const Buffer<vec3>& normals,
-                          std::uint32_t mirrors, double strength) {
+void Relaxer::record(Recorder& recorder, const Buffer<vec3>& data_points, const Buffer<vec3>& normals,
+                     std::uint32_t mirrors, double strength) {
   RelaxUmbrellaArgs umbrella{};
   umbrella.data_points = data_points;
+  umbrella.normals = normals;
   umbrella.starts = starts_;
   umbrella.neighbours = entries_;
+  umbrella.borders = borders_;
   umbrella.umbrellas = umbrellas_;
   umbrella.data_point_count = frame_.dataPointCount();
   recorder.dispatchIndirect(umbrella_, umbrella, frame_.groups(), ContactFrame::kFindGroups);
@@ -79,19 +81,16 @@ void Relaxer::recordFrame(Recorder& recorder, const Buffer<vec3>& data_points, c
   move.neighbours = entries_;
   move.borders = borders_;
   move.displacements = frame_.displacements();
-  move.hand = frame_.hand();
   move.data_point_count = frame_.dataPointCount();
   move.mirrors = mirrors;
   move.strength = static_cast<float>(strength);
+  move.hand = frame_.hand();
   recorder.dispatchIndirect(move_, move, frame_.groups(), ContactFrame::kFindGroups);
-  recordCheck(recorder);
-}
 
-void Relaxer::recordCheck(Recorder& recorder) {
   RelaxCheckArgs check{};
   check.displacements = frame_.displacements();
   check.data_point_count = frame_.dataPointCount();
-  check.decision = frame_.decision(kRelaxLeast_m, 1);
+  check.decision = frame_.decision(kRelaxLeast_m, kRelaxRepeats);
   recorder.dispatchIndirect(check_, check, frame_.groups(), ContactFrame::kCheckGroups);
 }
 

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: MIT
 // The tool *smooth*: clay near the hand relaxes.
 //
-// The umbrella U of a data point is the way to the average of its neighbours. Going that way smooths and
+// The umbrella of a data point is the way to the average of its neighbours. Going that way smooths and
 // shrinks: a ball's umbrellas all point inwards. So a point goes by its umbrella less the average of its
 // neighbours' (Kobbelt et al. 1998, "Interactive multi-resolution modeling on arbitrary meshes": the umbrella
-// applied twice, thin-plate energy in place of the membrane's): evenly curved clay stays. Only the part along
-// the surface's normal is taken, so that data points don't drift across it. On a border the two neighbours
-// along it count, and only the way across it is taken: a border relaxes as the curve that it is, and the
-// surface beside it doesn't pull it in.
+// applied twice, thin-plate energy in place of the membrane's). Only the parts along the points' own normals
+// are compared and taken: so data points don't drift across the surface, and evenly curved clay stays,
+// however coarse. On a border the two neighbours along it count, and the way across it is taken too: it
+// relaxes as the curve that it is, and the surface beside it doesn't pull it in.
 //
 // The cage cannot take every shape: its roughest one, each control point opposite to its neighbours, has the
 // eigenvalue -μ under the umbrella, μ = 1 - cos(π / 2^levels), of the grid of data points. So the way is
-// divided by μ², and clay relaxes alike at all levels. Within the hand the roughest shape decays by 1 / e in
-// kRelaxTime_s, whatever the frame rate. At most all of it goes in a frame, so smoothing never overshoots.
+// divided by μ², and clay relaxes alike at all levels. The roughest shape decays by 1 / e in kRelaxTime_s,
+// whatever the frame rate, in kRelaxRepeats steps a frame. At most all of it goes in a step, so smoothing
+// never overshoots.
 #pragma once
 
 #include "engine/contact.h"
@@ -21,11 +22,11 @@
 
 namespace airclay {
 
-/// A thirtieth of a second takes away half of the cage's roughest shape and a thirtieth of one four times as
-/// long.
-inline constexpr double kRelaxTime_s = 0.05;
+/// Waves along one direction with four control points to each, a fingertip's dents, have an eighth of the
+/// roughest shape's eigenvalue: they decay by 1 / e in 64 times as long.
+inline constexpr double kRelaxTime_s = 0.01;
 
-/// What the ways are multiplied by, for a cage subdivided `levels` times.
+/// What the ways are multiplied by in a step, for a cage subdivided `levels` times.
 double relaxStrength(int levels, double frame_s);
 
 /// The neighbours of each data point along the quads' edges; on a border those two that are on it too, in
@@ -43,12 +44,11 @@ class Relaxer {
   /// `frame` outlives it.
   Relaxer(Gpu& gpu, const ContactFrame& frame, const Subdivision& subdivision);
 
-  /// Records the displacements wanted and the check of them, after ContactFrame::recordBegin. `normals` are
-  /// of the data points.
-  void recordFrame(Recorder& recorder, const Buffer<vec3>& data_points, const Buffer<vec3>& normals,
-                   std::uint32_t mirrors, double strength);
-  /// Records the check after the data points have moved.
-  void recordCheck(Recorder& recorder);
+  /// Records the displacements wanted and the check of them: after ContactFrame::recordBegin, and after the
+  /// data points have moved, when the frame is not done. `normals` are of the data points at the frame's
+  /// start.
+  void record(Recorder& recorder, const Buffer<vec3>& data_points, const Buffer<vec3>& normals,
+              std::uint32_t mirrors, double strength);
 
  private:
   const ContactFrame& frame_;

@@ -28,25 +28,24 @@ bool averageAround(const SurfaceNeighbours& neighbours, std::size_t point, bool 
 std::vector<Vec3> relaxReference(const SurfaceNeighbours& neighbours, const std::vector<Vec3>& data_points,
                                  const std::vector<Vec3>& normals, const std::vector<double>& nearness,
                                  double strength) {
-  std::vector<Vec3> umbrellas, displacements;
+  std::vector<Vec3> across, umbrellas, displacements;
   for (std::size_t i = 0; i < data_points.size(); ++i) {
     Vec3 average = data_points[i];
     averageAround(neighbours, i, false, data_points, average);
-    umbrellas.push_back(average - data_points[i]);
+    const Vec3 umbrella = average - data_points[i];
+    across.push_back(Vec3::Zero());
+    if (neighbours.borders[i] != 0) {
+      const std::uint32_t* around = &neighbours.entries[neighbours.starts[i]];
+      across.back() = (data_points[around[1]] - data_points[around[0]]).cross(normals[i]).stableNormalized();
+    }
+    umbrellas.emplace_back(umbrella.dot(normals[i]), umbrella.dot(across[i]), 0);
   }
   for (std::size_t i = 0; i < data_points.size(); ++i) {
-    const bool border = neighbours.borders[i] != 0;
     Vec3 average;
     displacements.push_back(Vec3::Zero());
-    if (!averageAround(neighbours, i, !border, umbrellas, average)) continue;
+    if (!averageAround(neighbours, i, neighbours.borders[i] == 0, umbrellas, average)) continue;
     const Vec3 way = umbrellas[i] - average;
-    Vec3 across = normals[i] * way.dot(normals[i]);
-    if (border) {
-      const std::uint32_t* around = &neighbours.entries[neighbours.starts[i]];
-      const Vec3 along = (data_points[around[1]] - data_points[around[0]]).normalized();
-      across = way - along * way.dot(along);
-    }
-    displacements.back() = strength * nearness[i] * across;
+    displacements.back() = strength * nearness[i] * (way.x() * normals[i] + way.y() * across[i]);
   }
   return displacements;
 }

@@ -42,11 +42,7 @@ void Sculptor::recordFirstCheck(Recorder& recorder, const Buffer<GpuFit>& fit) {
     return;
   }
   contact_.shared().recordBegin(recorder, fit, controls_.held);
-  if (controls_.tool == Tool::kPull)
-    grip_.recordCheck(recorder, clay_.dataPoints(), contact_.mirrors(), true);
-  else
-    relaxer_.recordFrame(recorder, clay_.dataPoints(), clay_.normals(), contact_.mirrors(),
-                         relaxStrength(clay_.levels(), controls_.frame_s));
+  recordCheck(recorder, true);
 }
 
 void Sculptor::recordWanted(Recorder& recorder) {
@@ -54,11 +50,14 @@ void Sculptor::recordWanted(Recorder& recorder) {
   if (controls_.tool == Tool::kPull) grip_.recordPull(recorder);
 }
 
-void Sculptor::recordCheck(Recorder& recorder) {
-  if (controls_.tool == Tool::kPush) contact_.recordCheck(recorder, clay_.dataPoints());
-  if (controls_.tool == Tool::kPull)
-    grip_.recordCheck(recorder, clay_.dataPoints(), contact_.mirrors(), false);
-  if (controls_.tool == Tool::kSmooth) relaxer_.recordCheck(recorder);
+void Sculptor::recordCheck(Recorder& recorder, bool first) {
+  if (controls_.tool == Tool::kPush)
+    contact_.recordCheck(recorder, clay_.dataPoints());
+  else if (controls_.tool == Tool::kPull)
+    grip_.recordCheck(recorder, clay_.dataPoints(), contact_.mirrors(), first);
+  else
+    relaxer_.record(recorder, clay_.dataPoints(), clay_.normals(), contact_.mirrors(),
+                    relaxStrength(clay_.levels(), controls_.frame_s));
 }
 
 void Sculptor::record(Recorder& recorder, const Buffer<GpuFit>& fit, const SculptControls& controls) {
@@ -66,7 +65,7 @@ void Sculptor::record(Recorder& recorder, const Buffer<GpuFit>& fit, const Sculp
   recordFirstCheck(recorder, fit);
   if (!onDevice()) return;
   const RawBuffer& groups = contact_.shared().groups();
-  const std::uint32_t repeats = controls.tool == Tool::kSmooth ? 1 : kContactMaxRepeats;
+  const std::uint32_t repeats = controls.tool == Tool::kSmooth ? kRelaxRepeats : kContactMaxRepeats;
   for (std::uint32_t repeat = 0; repeat < repeats; ++repeat) {
     recordWanted(recorder);
     solver_->recordIndirect(recorder, contact_.displacements(), clay_.exactPoints(), clay_.controlPoints(),
@@ -75,7 +74,7 @@ void Sculptor::record(Recorder& recorder, const Buffer<GpuFit>& fit, const Sculp
                            ContactFrame::kApplyGroups);
     clay_.evaluator().recordPointsIndirect(recorder, clay_.controlPoints(), groups,
                                            ContactFrame::kPointGroups);
-    recordCheck(recorder);
+    recordCheck(recorder, false);
   }
   clay_.evaluator().recordNormalsIndirect(recorder, groups, ContactFrame::kNormalGroups);
 }
@@ -89,7 +88,7 @@ void Sculptor::finishOnHost(Recorder& recorder) {
     moveControlPoints();
     recorder.begin();
     clay_.evaluator().recordPoints(recorder, clay_.controlPoints());
-    recordCheck(recorder);
+    recordCheck(recorder, false);
     clay_.evaluator().recordNormalsIndirect(recorder, contact_.shared().groups(),
                                             ContactFrame::kNormalGroups);
     recorder.submitAndWait();

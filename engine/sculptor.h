@@ -43,7 +43,7 @@ class Sculptor {
   void takeControls(const SculptControls& controls);
   void recordFirstCheck(Recorder& recorder, const Buffer<GpuFit>& fit);
   void recordWanted(Recorder& recorder);
-  void recordCheck(Recorder& recorder);
+  void recordCheck(Recorder& recorder, bool first);
   std::vector<Vec3> wantedOnHost(std::vector<int>& rows) const;
   std::vector<Vec3> pushesOnHost(std::vector<int>& rows) const;
   void moveControlPoints();

@@ -19,7 +19,7 @@ inline const char* toolName(Tool tool) {
 
 struct SculptControls {
   Tool tool = Tool::kPush;
-  Symmetry symmetry;
+  Symmetry symmetry = {};
   bool held = true;             ///< the clutch: false leaves the clay alone
   double frame_s = 1.0 / 30.0;  ///< since the last frame, by the pictures' own clock: how far smoothing goes
 };

@@ -64,7 +64,7 @@ struct GpuGroups {
   uint z;
 };
 
-// The hand: its distances, sampled on a grid.
+// The hand: its distances, sampled on a grid. Last among arguments: C++ pads a struct's end, GLSL does not.
 struct HandDistances {
   ReadFloats values;  // metres, negative inside
   vec3 low_corner;    // from the centre of gravity, hand's frame
@@ -129,13 +129,14 @@ struct ContactGroups {
   uint images;  // of each point that is looked at on its own
 };
 
-// What a check needs to tell whether to go on: contact_decide.glsl.
+// What a check needs to tell whether to go on: contact_decide.glsl. Last among arguments.
 struct ContactDecision {
   ReadWriteContactFrames frame;
   WriteContactSummaries summary;
   ContactGroups groups;
   float wanted_m;  // what is left may be so much; the repeats end
   uint max_repeats;
+  uint max_stalls;  // repeats in a row that did not shrink it; the repeats end
 };
 
 // contact_begin: one invocation; what kind of frame this is.

@@ -11,8 +11,11 @@ AIRCLAY_IO_BEGIN
 // inside is held too: else a hand deep in the clay would drag a hollow ring.
 const float kGripReach_m = 0.006;
 
-// What held points may lag behind; the repeats end.
-const float kGripLagWanted_m = 0.00025;
+// What held points may lag behind; the repeats end. A voxel is ten times as large.
+const float kGripLagWanted_m = 0.0005;
+
+// With momentum the lag goes down by waves, and where it is to end is reached from any side: patience pays, unlike with depths.
+const uint kGripMaxStalls = 8;
 
 // A data point while the hand holds on.
 struct GpuGripPoint {

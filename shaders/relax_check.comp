@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// Whether there is anything to relax, and that once a frame is enough. One workgroup.
+// Whether there is anything to relax, and how often it has been done. One workgroup.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/relax_io.h"
 

@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// How far a data point near the hand relaxes: its umbrella less the average of its neighbours', across the surface. Told in engine/relax.h.
+// How far a data point near the hand relaxes: its umbrella less the average of its neighbours'. Told in engine/relax.h.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/relax_io.h"
 #include "shaders/invocation.glsl"
@@ -10,6 +10,7 @@
 layout(push_constant, scalar) uniform Push { RelaxMoveArgs args; };
 
 #include "shaders/hand_distance.glsl"
+#include "shaders/relax_frame.glsl"
 
 // 1 on the skin and in the hand, 0 from kRelaxReach_m on; of the hand's nearest image.
 float nearness(vec3 position) {
@@ -40,14 +41,8 @@ void main() {
       ++count;
     }
     if (count > 0) {
-      const vec3 way = args.umbrellas.at[index] - sum / count;
-      if (border) {
-        const vec3 along = args.data_points.at[args.neighbours.at[begin + 1]] - args.data_points.at[args.neighbours.at[begin]];
-        displacement = way - along * (dot(way, along) / max(dot(along, along), 1e-20));
-      } else {
-        const vec3 normal = args.normals.at[index];
-        displacement = normal * dot(way, normal);
-      }
+      const vec3 way = args.umbrellas.at[index] - sum / count, normal = args.normals.at[index];
+      displacement = way.x * normal + way.y * acrossBorder(index, normal);
     }
   }
   args.displacements.at[index] = args.strength * near * displacement;

@@ -125,7 +125,7 @@ TEST(DocumentApp, UndoAndRedoMoveThroughTheHistory) {
   EXPECT_TRUE(sameClay(Document::open(file).state(), afterStroke(tubeState(), 3)));
   outputOf({"undo", file, "--count", "4"});
   EXPECT_TRUE(sameClay(Document::open(file).state(), tubeState()));
-  expectRefused({"undo", file}, 1, "1 edits cannot be undone; there are 0 to undo");
+  expectRefused({"undo", file}, 1, "there is nothing to undo");
   expectRefused({"redo", file, "--count", "8"}, 1, "8 edits cannot be redone; there are 7 to redo");
   expectRefused({"redo", file, "--count", "0"}, 2, "--count");
   EXPECT_TRUE(sameClay(Document::open(file).state(), tubeState()));

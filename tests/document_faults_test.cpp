@@ -102,6 +102,7 @@ TEST(DocumentFaults, AHandEditIsCheckedWhereverItIs) {
       {"UPDATE connectivity SET point_count = 0", "a cage of 0 points"},
       {"UPDATE connectivity SET point_count = 1 << 50", "a cage of 1125899906842624 points"},
       {"UPDATE connectivity SET faces = x''", "needs points and faces"},
+      {"UPDATE connectivity SET faces = x'0300000000'", "faces of 5 bytes"},
       {"UPDATE connectivity SET faces = x'02000000'", "a face of 2 corners"},
       {"UPDATE connectivity SET faces = x'ffffff7f00000000'", "a face of 2147483647 corners"},
       {"UPDATE connectivity SET faces = x'03000000000000000100000063000000'", "out of range"},
@@ -142,6 +143,20 @@ TEST(DocumentFaults, AnEntryThatIsDamagedStopsUndoWhereItIs) {
   EXPECT_EQ(document.undoCount(), 3);
   document.undo(2);  // past it
   EXPECT_EQ(document.undoCount(), 1);
+}
+
+// Somebody's tool may have switched it on: the document is one file again.
+TEST(DocumentFaults, AWriteAheadLogIsTakenIn) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.write("a.clay", someDocument(folder));
+  alter(file, "PRAGMA journal_mode = WAL; UPDATE entry SET name = 'Logged' WHERE id = 1");
+  {
+    Document document = Document::open(file);
+    EXPECT_EQ(document.history()[0].name, "Logged");
+    document.commit("Push", afterStroke(document.state(), 1));
+    EXPECT_FALSE(fs::exists(folder / "a.clay-wal"));
+  }
+  EXPECT_EQ(rowsOf(file, "PRAGMA journal_mode")[0][0], "delete");
 }
 
 // A trigger is a program within the file.

@@ -99,7 +99,7 @@ TEST(Document, UndoAndRedoGoBackAcrossRestarts) {
   EXPECT_TRUE(sameClay(document.state(), fourth));
   document.undo(3);
   EXPECT_TRUE(sameClay(document.state(), first));
-  EXPECT_NE(messageOf([&] { document.undo(); }).find("there are 0 to undo"), std::string::npos);
+  EXPECT_NE(messageOf([&] { document.undo(); }).find("there is nothing to undo"), std::string::npos);
   EXPECT_NE(messageOf([&] { document.redo(4); }).find("there are 3 to redo"), std::string::npos);
   EXPECT_TRUE(sameClay(document.state(), first));
 }

@@ -197,6 +197,58 @@ TEST(Pipeline, MasksAreUsedAsTheyAre) {
   EXPECT_LE(median(turns_degrees), 1);
 }
 
+TEST(Pipeline, AGivenHandSculptsWithoutCamerasAndTheClayCanBeReplaced) {
+  const Rig rig = ringRig(4);
+  const HandModel hand = builtInHand(false);
+  const DistanceGrid distances = signedDistanceGrid(hand.skin, 0.002, 0.01);
+  Pipeline pipeline(testGpu(), rig, hand, {}, tube());
+  // the fingers come from +x, pointing along -x
+  const auto handAt = [](double x) {
+    return Pose(Eigen::Translation3d(x, 0, 0) * Eigen::AngleAxisd(M_PI, Vec3::UnitZ()));
+  };
+  const auto press = [&] {
+    FrameResult result;
+    for (double x = 0.28; x > 0.235; x -= 0.005) {
+      result = pipeline.sculptWith(handAt(x));
+      EXPECT_EQ(result.hand, HandState::kTracked);
+      EXPECT_EQ(result.fit.world_from_hand.matrix(), handAt(x).matrix());
+      ASSERT_EQ(result.stage_ms.size(), 1u);
+      EXPECT_EQ(result.stage_ms[0].first, "clay");
+      EXPECT_LE(deepest(distances, handAt(x), pipeline.clay().surface().points), 0.0015);
+    }
+    EXPECT_GT(result.clay.touched, 0);
+  };
+  const std::vector<Vec3> before = pipeline.clay().surface().points;
+  press();
+  const std::vector<Vec3> pressed = pipeline.clay().surface().points;
+  EXPECT_NE(pressed, before);
+
+  // cameras come in between: the given hand's way to its new place is not known
+  std::vector<Mask> masks = sphereMasks(rig, Vec3::Zero(), 0.002);
+  EXPECT_EQ(pipeline.processMasks(masks).hand, HandState::kEmpty);
+  pipeline.sculptWith(handAt(0.2));
+  EXPECT_EQ(pipeline.clay().surface().points, pressed);
+  EXPECT_EQ(pipeline.sculptWith(handAt(0.1), {.held = false}).clay.touched, 0);
+  EXPECT_EQ(pipeline.clay().surface().points, pressed);
+
+  // the same clay anew, and the same strokes on it
+  pipeline.setClay(tube());
+  EXPECT_EQ(pipeline.clay().surface().points, before);
+  press();
+  EXPECT_EQ(pipeline.clay().surface().points, pressed);
+  ClayOptions ball;
+  ball.cage = presetCage("ball");
+  ball.solve = SolveRows::kTouched;
+  pipeline.setClay(ball);
+  EXPECT_EQ(pipeline.clay().cage().faces, ball.cage.faces);
+  press();
+  ball.cage.faces.clear();
+  EXPECT_THROW(pipeline.setClay(ball), Error);
+  EXPECT_EQ(pipeline.clay().controlPointCount(), int(presetCage("ball").points.size()));
+  pipeline.setClay(std::nullopt);
+  EXPECT_EQ(pipeline.sculptWith(handAt(0.2)).clay.touched, 0);
+}
+
 TEST(Pipeline, WhatCannotBeProcessedIsRefused) {
   const Rig rig = ringRig(4);
   Pipeline pipeline(testGpu(), rig, builtInHand(false));
