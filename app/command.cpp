@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdio>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 namespace airclay {
 namespace {
@@ -13,6 +15,8 @@ namespace {
 GpuOptions gpuOptions(const CommonOptions& options) {
   GpuOptions gpu;
   gpu.device = options.device;
+  const char* validation = std::getenv("AIRCLAY_VALIDATION");
+  gpu.validation = validation && std::string_view(validation) == "1";
 #ifndef NDEBUG
   gpu.validation = true;
 #endif

@@ -31,8 +31,8 @@ enum class Uses { kNothing, kDevice, kDeviceAndVoxels };
 /// Adds the common options to `command`, `--json` where it prints figures.
 void addCommonOptions(CLI::App& command, CommonOptions& options, Uses uses, bool json);
 
-/// The device that the options choose. In a debug build the validation layer watches, and what it found is
-/// printed at the end.
+/// The device that the options choose. In a debug build, and wherever AIRCLAY_VALIDATION is 1, the validation
+/// layer watches, and what it found is printed at the end.
 class CommandGpu : public Gpu {
  public:
   explicit CommandGpu(const CommonOptions& options);

@@ -14,8 +14,9 @@ namespace {
 constexpr std::size_t kMeasuredPoints = 2000;
 /// 15 cm: farther away nobody asks how far.
 constexpr double kFarthestGap = 0.15;
-/// A software device draws what moves in a third of the pixels; what rests is drawn in all of them.
-constexpr double kMovingScale = 0.6;
+/// A software device draws what moves in a quarter of the pixels; what rests is drawn in all of them.
+constexpr double kMovingScale = 0.5;
+constexpr int kMovingTaps = 8;
 
 }  // namespace
 
@@ -58,6 +59,7 @@ Renderer& Stage::rendererFor(int width, int height, bool moving) {
   options.width = std::max(1, static_cast<int>(std::lround(scale * width)));
   options.height = std::max(1, static_cast<int>(std::lround(scale * height)));
   if (software) options = RendererOptions::live(options.width, options.height);
+  if (software && moving) options.shadow_taps = kMovingTaps;
   options.readback = false;
   std::unique_ptr<Renderer>& renderer = renderers_[software && moving];
   if (!renderer || renderer->width() != options.width || renderer->height() != options.height)
