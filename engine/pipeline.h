@@ -80,7 +80,7 @@ class Pipeline {
   FrameResult trackMasks(const std::vector<Mask>& masks);
   /// A frame without cameras: the hand is where the caller says, and only the clay's stage runs. The tracker
   /// is left alone. Between such a frame and one with cameras the hand's way is not known, so the clay
-  /// doesn't move in the first of either. \pre made with clay
+  /// doesn't move in the first of either. Without clay nothing moves.
   FrameResult sculptWith(const Pose& world_from_hand, const SculptControls& controls = {});
   /// Silhouettes and voxel model alone, of the pictures in memory or of masks.
   void hullFromPictures();
