@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "engine/error.h"
-#include "shaders/carve_total.comp.h"
+#include "shaders/carve_blocks.comp.h"
 #include "shaders/triangles.frag.h"
 #include "shaders/triangles.vert.h"
 #include "shaders/triangles_io.h"
@@ -239,7 +239,7 @@ TEST(Graphics, WhatCannotBeDrawnIsRefused) {
   EXPECT_THROW(Image(gpu, ImageKind::kColor, 0, 10), Error);
   EXPECT_THROW(Image(gpu, ImageKind::kColor, 10, 1u << 30), Error);
   // a shader that writes through an argument
-  EXPECT_THROW(RawGraphicsPipeline(gpu, "writes", {carve_total_comp, triangles_frag}, {}, 128), Error);
+  EXPECT_THROW(RawGraphicsPipeline(gpu, "writes", {carve_blocks_comp, triangles_frag}, {}, 128), Error);
   Image image(gpu, ImageKind::kColor, 8, 8);
   const Buffer<std::uint32_t> small(gpu, 63);
   Recorder recorder(gpu);
