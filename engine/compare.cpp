@@ -10,8 +10,10 @@
 #include "engine/contact.h"
 #include "engine/demo_scene.h"
 #include "engine/fit.h"
+#include "engine/grip.h"
 #include "engine/hand_model.h"
 #include "engine/presets.h"
+#include "engine/relax.h"
 #include "engine/silhouette.h"
 #include "engine/solve.h"
 #include "engine/subdivide.h"
@@ -416,6 +418,91 @@ void compareContact(Scene& scene, Comparisons& comparisons) {
   comparisons.add("contact, mm", reached > 0 ? 1000 * error_m : NAN, 0.01);
 }
 
+// --- pull, smooth, symmetry ---
+
+/// The tube before the hand that presses it, and what its tools need.
+struct ToolScene {
+  explicit ToolScene(Scene& scene)
+      : grid(contactGrid(builtInHand(false).skin)),
+        subdivision(subdivide(cage, 2, SubdivisionRule::kCatmullClark)),
+        data_points(scene.gpu, floats(dataPoints(subdivision.matrix, cage.points))),
+        points(doubles(data_points.download())),
+        frame(scene.gpu, grid, static_cast<std::uint32_t>(points.size()), 0, 0),
+        fit(scene.gpu, 1, Memory::kHost) {
+    moveHand(scene, kPressingFrame);
+  }
+  void moveHand(const Scene& scene, int at_frame) {
+    fit.host()[0] =
+        fitFromPose(*scene.cameras.pose(at_frame), fitModel(builtInHand(false)), scene.rig.workspace);
+    fit.host()[0].tracked = 1;
+  }
+  ContactPose pose() const { return {rotationOf(fit.host()[0]), fit.host()[0].position.cast<double>()}; }
+
+  PolygonMesh cage = presetCage("tube");
+  DistanceGrid grid;
+  Subdivision subdivision;
+  Buffer<vec3> data_points;
+  std::vector<Vec3> points;
+  ContactFrame frame;
+  Buffer<GpuFit> fit;
+};
+
+/// Taken hold of at one pose, carried to another.
+void compareGrip(Scene& scene, Comparisons& comparisons) {
+  ToolScene tools(scene);
+  const std::uint32_t mirrors = mirrorsOf({true, false, false});
+  Grip grip(scene.gpu, tools.frame);
+  const auto check = [&] {
+    scene.recorder.begin();
+    tools.frame.recordBegin(scene.recorder, tools.fit, true);
+    grip.recordCheck(scene.recorder, tools.data_points, mirrors, true);
+    scene.recorder.submitAndWait();
+    return grip.points();
+  };
+  const std::vector<GpuGripPoint> held = check();
+  const ContactPose gripped = tools.pose();
+  tools.moveHand(scene, kPressingFrame - 4);
+  const std::vector<GpuGripPoint> lagging = check();
+  int caught = 0, differ = 0;
+  double error_m = 0;
+  for (std::size_t i = 0; i < held.size(); ++i) {
+    const Vec3& point = tools.points[i];
+    const std::uint32_t images = gripReference(tools.grid, gripped, mirrors, point);
+    const Vec3 nudge = Vec3::Constant(1e-5);  // who is within rounding of the reach may be held or not
+    const bool clear = images == gripReference(tools.grid, gripped, mirrors, point + nudge) &&
+                       images == gripReference(tools.grid, gripped, mirrors, point - nudge);
+    differ += clear && held[i].images != images;
+    if (held[i].images == 0) continue;
+    ++caught;
+    const Vec3 target = gripTarget(gripped, tools.pose(), mirrors, held[i].images, point);
+    error_m = larger((lagging[i].lag.cast<double>() - (target - point)).norm(), error_m);
+  }
+  comparisons.add("pull, points held", differ, 0);
+  comparisons.add("pull, mm", caught > 0 ? 1000 * error_m : NAN, 0.01);
+}
+
+void compareRelax(Scene& scene, Comparisons& comparisons) {
+  ToolScene tools(scene);
+  const std::uint32_t mirrors = mirrorsOf({true, false, false});
+  const std::vector<Vec3> normals = dataNormals(tools.subdivision.quads, tools.points);
+  const Buffer<vec3> device_normals(scene.gpu, floats(normals));
+  Relaxer relaxer(scene.gpu, tools.frame, tools.subdivision);
+  constexpr float kStrength = 1;
+  for (int i = 0; i < 2; ++i) {  // the first tells only where the hand is
+    scene.recorder.begin();
+    tools.frame.recordBegin(scene.recorder, tools.fit, true);
+    relaxer.record(scene.recorder, tools.data_points, device_normals, mirrors, kStrength);
+    scene.recorder.submitAndWait();
+  }
+  std::vector<double> nearness;
+  for (const Vec3& point : tools.points)
+    nearness.push_back(relaxNearness(tools.grid, tools.pose(), mirrors, point));
+  const std::vector<Vec3> expected =
+      relaxReference(surfaceNeighbours(tools.subdivision.quads, tools.points.size()), tools.points, normals,
+                     nearness, kStrength);
+  comparisons.add("smooth", relativeError(doubles(tools.frame.displacements().download()), expected), 1e-4);
+}
+
 }  // namespace
 
 std::vector<KernelComparison> compareKernels(Gpu& gpu) {
@@ -429,6 +516,8 @@ std::vector<KernelComparison> compareKernels(Gpu& gpu) {
   compareSurface(gpu, SubdivisionRule::kPrinted, "printed", comparisons);
   compareSolve(gpu, comparisons);
   compareContact(scene, comparisons);
+  compareGrip(scene, comparisons);
+  compareRelax(scene, comparisons);
   return comparisons.take();
 }
 

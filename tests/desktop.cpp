@@ -130,13 +130,15 @@ void Process::send(int signal) {
 
 double differingShare(const Screenshot& a, const Screenshot& b, double part) {
   if (a.width != b.width || a.height != b.height) return 1;
-  const int left = static_cast<int>(a.width * (1 - part) / 2), top = static_cast<int>(a.height * (1 - part) / 2);
+  const int left = static_cast<int>(a.width * (1 - part) / 2),
+            top = static_cast<int>(a.height * (1 - part) / 2);
   std::size_t all = 0, differing = 0;
   for (int y = top; y < a.height - top; ++y)
     for (int x = left; x < a.width - left; ++x, ++all) {
       const std::size_t at = 3 * (std::size_t(y) * std::size_t(a.width) + std::size_t(x));
       int most = 0;
-      for (std::size_t i = at; i < at + 3; ++i) most = std::max(most, std::abs(int(a.rgb[i]) - int(b.rgb[i])));
+      for (std::size_t i = at; i < at + 3; ++i)
+        most = std::max(most, std::abs(int(a.rgb[i]) - int(b.rgb[i])));
       differing += most > 6;
     }
   return static_cast<double>(differing) / static_cast<double>(std::max<std::size_t>(all, 1));
@@ -153,8 +155,9 @@ Desktop::Desktop() {
   const std::filesystem::path number = folder_ / "number";
   server_.emplace(
       std::vector<std::string>{"sh", "-c",
-                               "exec Xvfb -displayfd 3 -nolisten tcp -screen 0 " + std::to_string(kScreenWidth) +
-                                   "x" + std::to_string(kScreenHeight) + "x24 -fbdir \"$1\" 3> \"$1/number\"",
+                               "exec Xvfb -displayfd 3 -nolisten tcp -screen 0 " +
+                                   std::to_string(kScreenWidth) + "x" + std::to_string(kScreenHeight) +
+                                   "x24 -fbdir \"$1\" 3> \"$1/number\"",
                                "sh", folder_.path().string()},
       std::map<std::string, std::string>{}, folder_ / "server_output", folder_ / "server_errors");
   if (!waitUntil([&] { return contentOf(number).ends_with("\n") || !server_->running(); }) ||

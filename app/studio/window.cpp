@@ -8,6 +8,7 @@
 #include <imgui/imgui.h>
 
 #include <cstdlib>
+#include <set>
 
 #include "app/studio/look.h"
 #include "app/studio/swapchain.h"
@@ -45,6 +46,41 @@ VkDescriptorPool makeDescriptorPool(Gpu& gpu) {
   check(vkCreateDescriptorPool(gpu.device(), &info, nullptr, &pool), "make a descriptor pool");
   return pool;
 }
+
+/// What the keyboard did, until pictures have seen it. Dear ImGui 1.86 looks once a picture which keys are
+/// down: one that went down and up between two pictures it would never see.
+class KeyEvents {
+ public:
+  void add(int key, int scancode, int action, int modifiers) {
+    if (action != GLFW_REPEAT) waiting_.push_back({key, scancode, action, modifiers});
+  }
+  bool waiting() const { return !waiting_.empty(); }
+
+  /// Hands on what one picture can show: of every key the next change, and none from before and after a
+  /// change of Ctrl, Shift, Alt or Super.
+  void handOn(GLFWwindow* window) {
+    std::vector<Event> later;
+    std::set<int> changed;
+    for (auto event = waiting_.begin(); event != waiting_.end(); ++event) {
+      const bool modifier = event->key >= GLFW_KEY_LEFT_SHIFT && event->key <= GLFW_KEY_RIGHT_SUPER;
+      if (modifier && !changed.empty()) {
+        later.insert(later.end(), event, waiting_.end());
+        break;
+      }
+      if (!modifier && !changed.insert(event->key).second)
+        later.push_back(*event);
+      else
+        ImGui_ImplGlfw_KeyCallback(window, event->key, event->scancode, event->action, event->modifiers);
+    }
+    waiting_ = std::move(later);
+  }
+
+ private:
+  struct Event {
+    int key = 0, scancode = 0, action = 0, modifiers = 0;
+  };
+  std::vector<Event> waiting_;
+};
 
 void transition(VkCommandBuffer commands, VkImage image, VkImageLayout from, VkImageLayout to) {
   VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
@@ -112,6 +148,7 @@ struct Window::Parts {
   std::optional<Swapchain::Target> target;
   bool changed = true;  ///< the window's size
   std::vector<std::filesystem::path> dropped;
+  KeyEvents keys;
   double scale = 1;
 
   VkExtent2D pixels() const {
@@ -158,6 +195,9 @@ struct Window::Parts {
     ImGui::GetIO().IniFilename = nullptr;  // what is remembered, the studio's settings remember
     dressUp(scale);
     toolkit_on_window = ImGui_ImplGlfw_InitForVulkan(window, true);
+    glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int scancode, int action, int modifiers) {
+      static_cast<Parts*>(glfwGetWindowUserPointer(w))->keys.add(key, scancode, action, modifiers);
+    });
     descriptors = makeDescriptorPool(gpu);
     ImGui_ImplVulkan_InitInfo info{};
     info.Instance = gpu.instance();
@@ -196,7 +236,7 @@ void Window::setTitle(const std::string& title) {
 }
 
 void Window::poll(double wait_s) {
-  if (wait_s > 0)
+  if (wait_s > 0 && !parts_->keys.waiting())
     glfwWaitEventsTimeout(wait_s);
   else
     glfwPollEvents();
@@ -241,6 +281,7 @@ bool Window::begin() {
     parts_->target = parts_->swapchain->acquire();
     if (!parts_->target) return false;  // it changes again: the next picture
   }
+  parts_->keys.handOn(parts_->window);
   ImGui_ImplVulkan_NewFrame();
   ImGui_ImplGlfw_NewFrame();
   ImGui::NewFrame();
