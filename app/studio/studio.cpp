@@ -338,6 +338,7 @@ class Studio {
                                          {"data_points", document.data_points},
                                          {"width", window_.width()},
                                          {"height", window_.height()},
+                                         {"note", notes_.empty() ? "" : notes_.back().words},
                                          {"resident_mb", residentMegabytes()},
                                          {"decode_ms", snapshot.decode_ms},
                                          {"stage_ms", stages}};
