@@ -43,7 +43,8 @@ struct Pipeline::Parts {
   std::unique_ptr<Sculptor> sculptor;
   std::optional<DistanceGrid> contact_grid;  ///< of the hand, once there is clay
   Buffer<GpuFit> given_hand;
-  bool hand_was_given = false;  ///< in the last frame
+  bool background_changed = false;  ///< since its model was made
+  bool hand_was_given = false;      ///< in the last frame
   Recorder recorder;
 
   void setClay(const std::optional<ClayOptions>& options) {
@@ -56,6 +57,26 @@ struct Pipeline::Parts {
     }
     sculptor = std::move(new_sculptor);  // before the clay that it refers to goes
     clay = std::move(new_clay);
+  }
+
+  /// A camera at a time: a window's pictures find room between.
+  void learn() {
+    for (std::uint32_t camera = 0; camera < gpu_rig.cameraCount(); ++camera) {
+      recorder.begin();
+      silhouettes.recordLearning(recorder, pictures, {camera, 1});
+      recorder.submitAndWait();
+    }
+    background_changed = true;
+  }
+
+  /// The background's model, once all its frames are there.
+  void finishBackground() {
+    for (std::uint32_t camera = 0; background_changed && camera < gpu_rig.cameraCount(); ++camera) {
+      recorder.begin();
+      silhouettes.finishLearning(recorder, {camera, 1});
+      recorder.submitAndWait();
+    }
+    background_changed = false;
   }
 
   /// From what is seen to the voxel model. The masks are there already, or come from the pictures.
@@ -102,6 +123,7 @@ struct Pipeline::Parts {
     const auto start = std::chrono::steady_clock::now();
     if (controls) takeHandFrom(false);
     const bool following = tracker.hasPose();
+    if (from_pictures) finishBackground();
     recorder.begin();
     recordHull(from_pictures);
     if (following) recordHandAndClay(controls);
@@ -163,6 +185,7 @@ struct Pipeline::Parts {
   }
 
   void hull(bool from_pictures) {
+    if (from_pictures) finishBackground();
     recorder.begin();
     recordHull(from_pictures);
     recorder.submitAndWait();
@@ -179,10 +202,7 @@ std::span<std::uint8_t> Pipeline::picture(std::size_t camera) {
 }
 
 void Pipeline::learnBackground() {
-  parts_->recorder.begin();
-  parts_->silhouettes.recordLearning(parts_->recorder, parts_->pictures);
-  parts_->silhouettes.finishLearning(parts_->recorder);
-  parts_->recorder.submitAndWait();
+  parts_->learn();
 }
 
 FrameResult Pipeline::processPictures(const SculptControls& controls) {

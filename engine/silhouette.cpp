@@ -56,32 +56,43 @@ Silhouettes::Silhouettes(Gpu& gpu, const GpuRig& rig)
   areas_ = Buffer<std::uint32_t>(gpu, rows * kMaxRuns);
 }
 
-void Silhouettes::recordLearning(Recorder& recorder, const Buffer<std::uint32_t>& pictures) {
-  if (learned_frames_ == kMaxLearnFrames)
-    throw Error("the background is learned from at most " + std::to_string(kMaxLearnFrames) + " frames");
-  if (learned_frames_ == 0) {
-    sums_ = Buffer<std::uint32_t>(gpu_, std::size_t(kLearnSums) * rig_.pixels());
-    model_ = Buffer<std::uint32_t>(gpu_, rig_.pixels());
-    recorder.fill(sums_.raw(), 0);
+void Silhouettes::recordLearning(Recorder& recorder, const Buffer<std::uint32_t>& pictures,
+                                 const CameraRange& cameras) {
+  if (cameras.first == 0) {
+    if (learned_frames_ == kMaxLearnFrames)
+      throw Error("the background is learned from at most " + std::to_string(kMaxLearnFrames) + " frames");
+    if (learned_frames_ == 0) {
+      sums_ = Buffer<std::uint64_t>(gpu_, std::size_t(kLearnSums) * rig_.pixels());
+      model_ = Buffer<std::uint32_t>(gpu_, rig_.pixels());
+      recorder.fill(sums_.raw(), 0);
+    }
+    ++learned_frames_;
   }
-  ++learned_frames_;
-  BackgroundArgs args{};
-  args.cameras = rig_.cameras();
+  BackgroundArgs args = backgroundArgs(cameras);
   args.pictures = pictures;
-  args.sums = sums_;
-  recorder.dispatch(add_, args, groupsFor(rig_.maxPixels(), kSilhouetteWorkgroup), rig_.cameraCount());
+  recorder.dispatch(add_, args, groupsFor(rig_.maxPixels(), kSilhouetteWorkgroup), countOf(cameras));
 }
 
-void Silhouettes::finishLearning(Recorder& recorder) {
+void Silhouettes::finishLearning(Recorder& recorder, const CameraRange& cameras) {
   if (learned_frames_ == 0)
     throw Error("the background cannot be learned without a frame of the empty workspace");
+  BackgroundArgs args = backgroundArgs(cameras);
+  args.model = model_;
+  recorder.dispatch(finish_, args, groupsFor(rig_.maxPixels(), kSilhouetteWorkgroup), countOf(cameras));
+  learned_ = true;
+}
+
+std::uint32_t Silhouettes::countOf(const CameraRange& cameras) const {
+  return std::min(cameras.count, rig_.cameraCount() - cameras.first);
+}
+
+BackgroundArgs Silhouettes::backgroundArgs(const CameraRange& cameras) const {
   BackgroundArgs args{};
   args.cameras = rig_.cameras();
   args.sums = sums_;
-  args.model = model_;
   args.frames = learned_frames_;
-  recorder.dispatch(finish_, args, groupsFor(rig_.maxPixels(), kSilhouetteWorkgroup), rig_.cameraCount());
-  learned_ = true;
+  args.first_camera = cameras.first;
+  return args;
 }
 
 RunArgs Silhouettes::runArgs(bool holes) const {

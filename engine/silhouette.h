@@ -14,14 +14,21 @@
 
 namespace airclay {
 
+/// Cameras of the rig, in its order; all from the first on unless `count` says how many.
+struct CameraRange {
+  std::uint32_t first = 0, count = ~0u;
+};
+
 class Silhouettes {
  public:
   Silhouettes(Gpu& gpu, const GpuRig& rig);
 
   /// Records the learning of one frame of the empty workspace, at most kMaxLearnFrames; then finishLearning()
-  /// makes the model. `pictures`: GpuRig's layout.
-  void recordLearning(Recorder& recorder, const Buffer<std::uint32_t>& pictures);
-  void finishLearning(Recorder& recorder);
+  /// makes the model. `pictures`: GpuRig's layout. Some cameras at a time, the first of them first: so that
+  /// no submission takes long.
+  void recordLearning(Recorder& recorder, const Buffer<std::uint32_t>& pictures,
+                      const CameraRange& cameras = {});
+  void finishLearning(Recorder& recorder, const CameraRange& cameras = {});
   bool learned() const { return learned_; }
 
   /// Records segmentation and cleaning of a frame. \pre learned()
@@ -40,6 +47,8 @@ class Silhouettes {
 
  private:
   RunArgs runArgs(bool holes) const;
+  BackgroundArgs backgroundArgs(const CameraRange& cameras) const;
+  std::uint32_t countOf(const CameraRange& cameras) const;
 
   Gpu& gpu_;
   const GpuRig& rig_;
@@ -48,7 +57,8 @@ class Silhouettes {
   Kernel<EdgeArgs> edges_;
   Kernel<MajorityArgs> majority_;
   Kernel<RunArgs> find_, join_, measure_, largest_kernel_, write_;
-  Buffer<std::uint32_t> sums_, model_;
+  Buffer<std::uint64_t> sums_;
+  Buffer<std::uint32_t> model_;
   Buffer<std::uint32_t> levels_, segmented_, majority_mask_, largest_mask_, masks_;
   Buffer<std::uint32_t> run_counts_, runs_, labels_, areas_, largest_;
   std::uint32_t learned_frames_ = 0;

@@ -12,11 +12,12 @@ const uint kSilhouetteWorkgroup = 64;
 // Masks are treated 64 pixels at a time, a pair of their words.
 READ_POINTER(ReadPairs, uint64_t)
 WRITE_POINTER(WritePairs, uint64_t)
+READ_WRITE_POINTER(ReadWritePairs, uint64_t)
 
 // A pixel of the background model is one word: mean B, G, R in the low three bytes; the spread, in eighths of a grey level, in the
-// high one. Sums while learning: three sums, three sums of squares a pixel.
+// high one. While learning, a pixel has a pair of words for each of B, G, R: the sum, and the sum of squares.
 const float kSpreadStep = 0.125f;
-const uint kLearnSums = 6;
+const uint kLearnSums = 3;
 const uint kMaxLearnFrames = 256;  // 256 · 255² still fits 32 bits
 
 // 2.5 grey levels: the noise of an ordinary camera indoors. H.264 smooths it away and repeats an empty picture unchanged, so that the spread
@@ -37,9 +38,10 @@ const uint kScoreLevels = 4;
 struct BackgroundArgs {
   ReadCameras cameras;
   ReadUints pictures;
-  ReadWriteUints sums;
+  ReadWritePairs sums;
   WriteUints model;
   uint frames;  // so far
+  uint first_camera;
 };
 
 // segment: one invocation a pair of mask words, to its pairs of levels. `pictures` are BGR bytes, rows without padding, each camera's at a whole word.
