@@ -237,8 +237,10 @@ void Panels::drawStatus(const Snapshot& snapshot, const Stage& stage, const Mete
   }
   if (settings_.show_graph && meter.history().size() > 1) {
     const std::vector<float> values(meter.history().begin(), meter.history().end());
-    ImGui::PlotLines("##latency", values.data(), static_cast<int>(values.size()), 0, "latency, ms", 0, 120,
+    const float highest = std::max(120.0f, 1.1f * *std::max_element(values.begin(), values.end()));
+    ImGui::PlotLines("##latency", values.data(), static_cast<int>(values.size()), 0, nullptr, 0, highest,
                      ImVec2(Session::kThumbnailWidth - 2 * ImGui::GetStyle().WindowPadding.x, em * 3.5f));
+    tip("Milliseconds from camera to picture, over the last frames");
   }
   status_bottom_ = ImGui::GetWindowPos().y + ImGui::GetWindowHeight();
   ImGui::End();
