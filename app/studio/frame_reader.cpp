@@ -51,7 +51,7 @@ Clock::time_point FrameReader::due() const {
     return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));
   };
   if (next_ == 0) return Clock::now();
-  const double wait_s = takes_every_s_ - kReadAhead * 1e-3 * slot_decode_ms_;
+  const double wait_s = busy_s_ - kReadAhead * 1e-3 * slot_decode_ms_;
   return std::max(last_captured_ + seconds(1 / recording_.rateHz()),
                   last_taken_ + seconds(std::max(0.0, wait_s)));
 }
@@ -94,14 +94,18 @@ void FrameReader::read(FrameSet& set) {
 
 bool FrameReader::take(FrameSet& set, double wait_s) {
   std::unique_lock lock(mutex_);
+  if (taker_is_busy_) {
+    // back from the last one: so long it was busy
+    const double busy_s = std::chrono::duration<double>(Clock::now() - last_taken_).count();
+    busy_s_ += kPaceShare * (std::min(busy_s, kSlowestPaceS) - busy_s_);
+    taker_is_busy_ = false;
+  }
   changed_.wait_for(lock, std::chrono::duration<double>(wait_s), [&] { return full_ || fault_ || ended_; });
   if (fault_) std::rethrow_exception(std::exchange(fault_, nullptr));
   if (!full_) return false;
   std::swap(slot_, set);
-  const auto now = Clock::now();
-  const double since_s = std::chrono::duration<double>(now - last_taken_).count();
-  takes_every_s_ += kPaceShare * (std::min(since_s, kSlowestPaceS) - takes_every_s_);
-  last_taken_ = now;
+  last_taken_ = Clock::now();
+  taker_is_busy_ = true;
   full_ = false;
   changed_.notify_all();
   return true;

@@ -53,8 +53,9 @@ class FrameReader {
   int next_ = 0;  ///< frame to be read
   bool ended_ = false;
   Clock::time_point last_captured_{}, last_taken_ = Clock::now();
-  double takes_every_s_ = 0, slot_decode_ms_ = 0;
-  FrameSet slot_;  ///< read, not taken yet: when full_
+  bool taker_is_busy_ = false;
+  double busy_s_ = 0, slot_decode_ms_ = 0;  ///< of whoever takes, a running mean; of the last frame
+  FrameSet slot_;                           ///< read, not taken yet: when full_
   std::exception_ptr fault_;
   std::thread thread_;
 };
