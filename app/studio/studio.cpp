@@ -216,14 +216,16 @@ class Studio {
   void takeMouse(const ImGuiIO& io) {
     const Vec2 drag(io.MouseDelta.x, io.MouseDelta.y);
     const bool has_hand = !session_.hasRecording();
-    if (ImGui::IsMouseDown(1) || (!has_hand && ImGui::IsMouseDown(0))) view_.orbit(drag);
-    if (ImGui::IsMouseDown(2)) view_.pan(drag, window_.height());
+    // in the first picture of a press the way there is not told from the drag
+    const auto dragged = [&](int button) { return io.MouseDownDuration[button] > 0; };
+    if (dragged(1) || (!has_hand && dragged(0))) view_.orbit(drag);
+    if (dragged(2)) view_.pan(drag, window_.height());
     if (has_hand && io.KeyShift)
       mouse_hand_.world_from_hand.pretranslate(0.01 * io.MouseWheel * view_.forward());
     else
       view_.zoom(io.MouseWheel);
-    if (has_hand && ImGui::IsMouseDown(0)) {
-      mouse_hand_.present = true;
+    if (has_hand && ImGui::IsMouseDown(0)) mouse_hand_.present = true;
+    if (has_hand && dragged(0)) {
       const double m = view_.metresAPixel(window_.height());
       mouse_hand_.world_from_hand.pretranslate(m * (drag.x() * view_.right() - drag.y() * view_.up()));
     }

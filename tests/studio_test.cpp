@@ -1,0 +1,418 @@
+// SPDX-License-Identifier: MIT
+// The studio as somebody uses it: the built program in a window on a display of its own, mouse and keyboard
+// as a hand would move them. What it did is looked up in its log, its documents and its files; the validation
+// layer watches throughout, and whatever it said would stand on standard error.
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <assimp/scene.h>
+#include <assimp/Importer.hpp>
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "capture/picture_file.h"
+#include "capture/synthetic.h"
+#include "engine/mesh_file.h"
+#include "engine/presets.h"
+#include "tests/desktop.h"
+#include "tests/documents.h"
+#include "tests/gpu_fixture.h"
+#include "tests/program.h"
+
+namespace airclay {
+namespace {
+
+using nlohmann::json;
+using Words = std::vector<std::string>;
+namespace fs = std::filesystem;
+
+class Studio : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!Desktop::possible())
+      GTEST_SKIP() << "there is no Xvfb; third_party/packages.txt names what is needed";
+    desktop.emplace();
+  }
+
+  std::string at(const std::string& name) const { return folder / name; }
+
+  /// Opens the window; `words` follow `airclay sculpt`.
+  void start(const Words& words) {
+    fs::remove(log_file);
+    Words all = {AIRCLAY_PROGRAM, "sculpt", "--log", log_file};
+    all.insert(all.end(), words.begin(), words.end());
+    std::map<std::string, std::string> environment = desktop->environment();
+    environment["XDG_CONFIG_HOME"] = at("config");
+    environment["XDG_STATE_HOME"] = at("state");
+    environment["AIRCLAY_VALIDATION"] = "1";
+    program.emplace(all, environment, folder / "output", folder / "errors");
+    desktop->findWindow("^Airclay");
+    ASSERT_TRUE(sees([](const json&) { return true; })) << errors();
+  }
+  void startWithoutHint(const Words& words) {
+    folder.write("config/airclay/studio.toml", "first_run = false\n");
+    start(words);
+  }
+
+  /// By the window manager, as with the window's own button.
+  void close() {
+    desktop->key("alt+F4");
+    EXPECT_EQ(program->waitForExit(), 0);
+    EXPECT_EQ(errors(), "");
+  }
+
+  std::string errors() const { return readWhole(folder / "errors", kMaxDocumentBytes); }
+
+  /// The last whole line; null when there is none yet.
+  json log() const {
+    if (!fs::exists(log_file)) return nullptr;
+    std::string text = readWhole(log_file, kMaxDocumentBytes);
+    text.erase(text.rfind('\n') == std::string::npos ? 0 : text.rfind('\n'));
+    return text.empty() ? json(nullptr) : json::parse(text.substr(text.rfind('\n') + 1));
+  }
+  /// Whether the log comes to say so.
+  bool sees(const std::function<bool(const json&)>& expected) {
+    bool seen = false;
+    waitUntil([&] {
+      const json line = log();
+      seen = !line.is_null() && expected(line);
+      return seen || !program->running();
+    });
+    return seen;
+  }
+  bool seesCounts(int undo, int redo) {
+    return sees([&](const json& line) {
+      return line["undo"] == undo && line["redo"] == redo && line["sculpting"] == false;
+    });
+  }
+  bool seesNote(const std::string& words) {
+    return sees(
+        [&](const json& line) { return line["note"].get<std::string>().find(words) != std::string::npos; });
+  }
+
+  /// The document as a crash would leave it: between two edits the file is whole. No other process can open
+  /// it while the program has it, so it is a copy that is looked at.
+  Document kept(const fs::path& file) const {
+    const fs::path copy = folder / "copy.clay";
+    fs::copy_file(file, copy, fs::copy_options::overwrite_existing);
+    return Document::open(copy);
+  }
+
+  /// The mouse's hand comes from the clay's side, along the workspace's y, until it is well in the clay, and
+  /// stays there: the stroke is under way.
+  void pushIn() {
+    desktop->key("6");
+    desktop->moveTo(kFromX, kY);
+    desktop->press();
+    // How much of the way the first picture of the press takes is the machine's pace.
+    const auto touches = [&] { return log()["sculpting"] == true; };
+    for (x_ = kFromX; x_ < kFarthestX && !touches();) {
+      drag(x_ + kDabPx);
+      waitUntil(touches, kDabPauseS);
+    }
+    drag(x_ + kDabPx);
+    EXPECT_TRUE(touches()) << log() << errors();
+  }
+  void pullOut() {
+    drag(kFromX);
+    desktop->release();
+  }
+  /// A whole stroke; true when it is in the history as the entry after `undo`.
+  bool push(int undo = 0) {
+    pushIn();
+    pullOut();
+    return seesCounts(undo + 1, 0);
+  }
+
+  /// A name typed into the dialog that `keys` open.
+  void choose(const std::string& keys, const std::string& name) {
+    const Screenshot before = desktop->screenshot();
+    desktop->key(keys);
+    // It covers the middle, and dims the rest.
+    ASSERT_TRUE(waitUntil([&] { return differingShare(before, desktop->screenshot(), 0.4) > 0.5; }));
+    desktop->type(name);
+    desktop->key("Return");
+  }
+
+  TemporaryFolder folder;
+  std::optional<Desktop> desktop;
+  std::optional<Process> program;
+  std::string log_file = folder / "log.jsonl";
+
+ private:
+  // Right of the tools, under the middle. At 800 pixels' height 240 are 14 cm, and the hand starts 21 cm from
+  // the tube's axis.
+  static constexpr int kFromX = 500, kFarthestX = 1000, kY = 560, kDabPx = 48;
+  static constexpr double kDabPauseS = 1.5;  // longer than from one line of the log to the next
+
+  void drag(int to_x) {
+    constexpr int kStepPx = 12;
+    while (x_ != to_x) {
+      x_ += std::clamp(to_x - x_, -kStepPx, kStepPx);
+      desktop->moveTo(x_, kY);
+      std::this_thread::sleep_for(std::chrono::milliseconds(15));  // as a hand drags
+    }
+  }
+
+  int x_ = 0;  // the pointer's, in the window
+};
+
+std::vector<Vec3> surfaceOf(const ClayState& state) {
+  return dataPoints(subdivide(state.cage, state.levels, state.rule).matrix, state.cage.points);
+}
+
+/// The largest distance of a point to the nearest of the others, both ways.
+double farthest(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
+  const auto oneWay = [](const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
+    double most = 0;
+    for (const Vec3& p : from) {
+      double least = INFINITY;
+      for (const Vec3& q : to) least = std::min(least, (p - q).norm());
+      most = std::max(most, least);
+    }
+    return most;
+  };
+  return std::max(oneWay(a, b), oneWay(b, a));
+}
+
+double farthestMove(const ClayState& a, const ClayState& b) {
+  double most = 0;
+  for (std::size_t i = 0; i < a.cage.points.size(); ++i)
+    most = std::max(most, (a.cage.points[i] - b.cage.points.at(i)).norm());
+  return most;
+}
+
+double asymmetryInX(const ClayState& state) {
+  std::vector<Vec3> mirrored = state.cage.points;
+  for (Vec3& point : mirrored) point.x() = -point.x();
+  return farthest(state.cage.points, mirrored);
+}
+
+TEST_F(Studio, MousePushesClayUndoRedoRefine) {
+  const fs::path file = folder / "a.clay";
+  start({"--save", file});
+  const Screenshot hint = desktop->screenshot();
+  desktop->key("Escape");
+  EXPECT_TRUE(waitUntil([&] { return differingShare(hint, desktop->screenshot(), 0.4) > 0.5; }));
+  const ClayState begun = kept(file).state();
+  EXPECT_TRUE(sameClay(begun, tubeState()));
+
+  ASSERT_TRUE(push()) << log();
+  EXPECT_EQ(namesOf(kept(file)), (Words{"New tube", ">Push"}));
+  const ClayState pushed = kept(file).state();
+  EXPECT_GT(farthestMove(begun, pushed), 0.01);
+
+  desktop->key("ctrl+z");
+  ASSERT_TRUE(seesCounts(0, 1)) << log();
+  EXPECT_TRUE(sameClay(kept(file).state(), begun));
+  desktop->key("ctrl+shift+z");
+  ASSERT_TRUE(seesCounts(1, 0)) << log();
+  EXPECT_TRUE(sameClay(kept(file).state(), pushed));
+
+  EXPECT_EQ(log()["control_points"], 28);
+  desktop->key("r");
+  ASSERT_TRUE(seesCounts(2, 0)) << log();
+  EXPECT_EQ(log()["control_points"], 98);
+  const ClayState refined = kept(file).state();
+  EXPECT_EQ(refined.cage.points.size(), 98u);
+  EXPECT_LT(farthest(surfaceOf(refined), surfaceOf(pushed)), 1e-9);
+  close();
+  EXPECT_EQ(namesOf(Document::open(file)), (Words{"New tube", "Push", ">Refine"}));
+}
+
+TEST_F(Studio, SymmetryIsKeptByAPush) {
+  const fs::path file = folder / "a.clay";
+  startWithoutHint({"--save", file, "--clay", "ball"});
+  const ClayState begun = kept(file).state();
+  ASSERT_LT(asymmetryInX(begun), 1e-9);
+  desktop->key("x");
+  ASSERT_TRUE(push()) << log();
+  const ClayState pushed = kept(file).state();
+  EXPECT_GT(farthestMove(begun, pushed), 0.005);
+  EXPECT_LT(asymmetryInX(pushed), 1e-6);
+  desktop->key("x");
+  ASSERT_TRUE(push(1)) << log();
+  EXPECT_GT(asymmetryInX(kept(file).state()), 0.001);  // the hand itself is on one side
+  close();
+}
+
+TEST_F(Studio, KilledInAStrokeItKeepsTheFinishedOnes) {
+  startWithoutHint({});
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder / "state" / "airclay"))
+    if (entry.path().extension() == ".clay") files.push_back(entry.path());
+  ASSERT_EQ(files.size(), 1u);
+  EXPECT_TRUE(files[0].filename().string().starts_with("unsaved-")) << files[0];
+  ASSERT_TRUE(push()) << log();
+  const ClayState pushed = kept(files[0]).state();
+
+  pushIn();
+  program->send(SIGKILL);
+  EXPECT_EQ(program->waitForExit(), 128 + SIGKILL);
+  desktop->release();
+  {
+    const Document left = Document::open(files[0]);
+    EXPECT_EQ(namesOf(left), (Words{"New tube", ">Push"}));
+    EXPECT_TRUE(sameClay(left.state(), pushed));
+  }
+
+  start({"--clay", files[0]});
+  ASSERT_TRUE(seesCounts(1, 0)) << log();
+  desktop->key("ctrl+z");
+  ASSERT_TRUE(seesCounts(0, 1)) << log();
+  close();
+  const Document left = Document::open(files[0]);
+  EXPECT_EQ(namesOf(left), (Words{">New tube", "Push"}));
+  EXPECT_TRUE(sameClay(left.state(), tubeState()));
+}
+
+TEST_F(Studio, WindowIsResizedMinimisedClosedAndRemembered) {
+  const auto hasSize = [&](int width, int height) {
+    return sees([=](const json& line) { return line["width"] == width && line["height"] == height; });
+  };
+  start({});
+  desktop->key("Escape");
+  desktop->key("3");
+  desktop->resize(1000, 700);
+  EXPECT_TRUE(hasSize(1000, 700)) << log();
+  desktop->minimise();
+  EXPECT_TRUE(hasSize(0, 0)) << log();
+  desktop->restore();
+  EXPECT_TRUE(hasSize(1000, 700)) << log();
+  for (int i = 0; i < 12; ++i)
+    desktop->resize(700 + 40 * i, 500 + 20 * (i % 5));  // faster than pictures come
+  desktop->resize(1040, 720);
+  EXPECT_TRUE(hasSize(1040, 720)) << log();
+  const auto since = std::chrono::steady_clock::now();
+  close();
+  EXPECT_LT(std::chrono::steady_clock::now() - since, std::chrono::seconds(10));
+  EXPECT_TRUE(fs::is_empty(folder / "state" / "airclay"));  // nobody touched the clay
+
+  const fs::path file = folder / "a.clay";
+  start({"--save", file});
+  EXPECT_TRUE(hasSize(1040, 720)) << log();
+  ASSERT_TRUE(push()) << log();  // and no hint is in the way
+  close();
+  EXPECT_EQ(namesOf(Document::open(file)), (Words{"New tube", ">Smooth"}));
+}
+
+TEST_F(Studio, FilesThatCannotBeCostNothing) {
+  const fs::path file = folder / "a.clay", other = folder / "b.clay";
+  startWithoutHint({"--save", file});
+  ASSERT_TRUE(push()) << log();
+  const ClayState pushed = kept(file).state();
+
+  choose("ctrl+e", at("tube"));
+  ASSERT_TRUE(seesNote("tube.stl: 672 faces")) << log();
+  Assimp::Importer importer;
+  const aiScene* scene = importer.ReadFile(at("tube.stl"), 0);
+  ASSERT_TRUE(scene) << importer.GetErrorString();
+  EXPECT_EQ(scene->mMeshes[0]->mNumFaces, 672u);
+  std::vector<Vec3> exported;
+  for (unsigned i = 0; i < scene->mMeshes[0]->mNumVertices; ++i) {
+    const aiVector3D& v = scene->mMeshes[0]->mVertices[i];
+    exported.push_back(Vec3(v.x, v.y, v.z) / 1000);  // STL's are millimetres
+  }
+  EXPECT_LT(farthest(exported, surfaceOf(pushed)), 1e-6);
+
+  fs::create_directory(folder / "closed");
+  ASSERT_EQ(chmod(at("closed").c_str(), 0555), 0);
+  // Rights don't bind the superuser; the system's own folder takes no file from anybody.
+  const fs::path read_only = geteuid() == 0 ? fs::path("/proc") : folder / "closed";
+  choose("ctrl+e", at("none/x"));
+  EXPECT_TRUE(seesNote(at("none/x.stl"))) << log();
+  choose("ctrl+e", read_only / "y.ply");
+  EXPECT_TRUE(seesNote("y.ply")) << log();
+  choose("ctrl+s", read_only / "z");
+  EXPECT_TRUE(seesNote("z.clay")) << log();
+
+  folder.write("text.clay", std::string(5000, 'x'));
+  choose("ctrl+o", at("text.clay"));
+  EXPECT_TRUE(seesNote("is no Airclay document")) << log();
+  const std::string whole = readWhole(file, kMaxDocumentBytes);
+  folder.write("cut.clay", whole.substr(0, whole.size() / 2));
+  choose("ctrl+o", at("cut.clay"));
+  EXPECT_TRUE(seesNote("cut short")) << log();
+  EXPECT_TRUE(seesCounts(1, 0));
+  EXPECT_TRUE(sameClay(kept(file).state(), pushed));
+
+  choose("ctrl+s", other);
+  ASSERT_TRUE(seesNote("saved as")) << log();
+  EXPECT_EQ(namesOf(Document::open(file)), (Words{"New tube", ">Push"}));  // which is free now
+  ASSERT_TRUE(push(1)) << log();
+  choose("ctrl+o", file);
+  ASSERT_TRUE(seesNote("opened")) << log();
+  EXPECT_TRUE(seesCounts(1, 0));
+  close();
+  EXPECT_TRUE(sameClay(Document::open(file).state(), pushed));
+  EXPECT_EQ(namesOf(Document::open(other)), (Words{"New tube", "Push", ">Push"}));
+}
+
+/// A recording of a hand that comes to the tube's side, presses it in and goes away: small pictures, few.
+void writeTake(const fs::path& folder) {
+  SyntheticOptions options;
+  for (Camera& camera : options.rig.cameras) {
+    camera.width /= 2;
+    camera.height /= 2;
+    for (double* value : {&camera.lens.fx, &camera.lens.fy, &camera.lens.cx, &camera.lens.cy}) *value /= 2;
+  }
+  const HandScript demo = demoScript();
+  const double appears_s = 10.0 / 30;
+  options.script = HandScript(appears_s, *demo.at(appears_s + 0.8),
+                              {{0.15, *demo.at(appears_s + 0.95)},
+                               {0.45, *demo.at(appears_s + 1.55)},
+                               {0.4, *demo.at(appears_s + 2.35)}});
+  Synthetic synthetic(testGpu(), options);
+  ASSERT_EQ(synthetic.backgroundFrames(), 10);
+  fs::create_directories(folder);
+  writeRig(folder / "rig.toml", synthetic.rig());
+  std::vector<std::vector<std::uint8_t>> pictures;
+  for (const Camera& camera : synthetic.rig().cameras) {
+    fs::create_directories(folder / camera.name);
+    pictures.emplace_back(std::size_t(3) * std::size_t(camera.width) * std::size_t(camera.height));
+  }
+  const std::vector<std::span<std::uint8_t>> buffers(pictures.begin(), pictures.end());
+  for (int frame = 0; synthetic.readPictures(frame, buffers); ++frame)
+    for (std::size_t c = 0; c < pictures.size(); ++c) {
+      std::vector<std::uint8_t> rgba;
+      for (std::size_t i = 0; i < pictures[c].size(); i += 3)
+        rgba.insert(rgba.end(), {pictures[c][i + 2], pictures[c][i + 1], pictures[c][i], 255});
+      const Camera& camera = synthetic.rig().cameras[c];
+      writePng(folder / camera.name / (std::to_string(frame) + ".png"), {camera.width, camera.height}, rgba);
+    }
+}
+
+TEST_F(Studio, ATakeIsPlayedToItsEndAndAlwaysMakesTheSameClay) {
+  writeTake(folder / "take");
+  // Twice in the window, where pictures and frames come as they come.
+  for (const char* name : {"a.clay", "b.clay"}) {
+    startWithoutHint({at("take"), "--background", "10", "--save", at(name)});
+    ASSERT_TRUE(sees([](const json& line) { return line["ended"] == true; })) << log() << errors();
+    EXPECT_EQ(log()["frame"], 40);
+    const Screenshot ended = desktop->screenshot();
+    desktop->key("F1");  // the window is there, and listens
+    EXPECT_TRUE(waitUntil([&] { return differingShare(ended, desktop->screenshot(), 0.4) > 0.5; }));
+    close();
+  }
+  const ClayState once = Document::open(at("a.clay")).state();
+  EXPECT_EQ(namesOf(Document::open(at("a.clay"))), (Words{"New tube", ">Push"}));
+  EXPECT_GT(farthestMove(once, tubeState()), 0.005);
+  EXPECT_TRUE(sameClay(once, Document::open(at("b.clay")).state()));
+
+  for (const char* name : {"c.clay", "d.clay"}) {
+    const Ran ran = runAirclay(
+        {"sculpt", at("take"), "--background", "10", "--headless", "--save", at(name), "--out", at("out")},
+        {.environment = {{"AIRCLAY_VALIDATION", "1"}}});
+    ASSERT_EQ(ran.status, 0) << ran.errors;
+    EXPECT_EQ(ran.errors, "");
+  }
+  const ClayState headless = Document::open(at("c.clay")).state();
+  EXPECT_GT(farthestMove(headless, tubeState()), 0.005);
+  EXPECT_TRUE(sameClay(headless, Document::open(at("d.clay")).state()));
+}
+
+}  // namespace
+}  // namespace airclay
