@@ -135,8 +135,7 @@ TEST(App, WrongUsageIsStatusTwo) {
   expectRefused({"deform", "tube", "--out", "x.obj", "--moves", "m.csv"}, 2, "--cage-out");
   expectRefused({"sculpt"}, 2, "TAKE");
   expectRefused({"sculpt", "--rig", "rig.toml", "--camera", "left=0"}, 2, "live cameras");
-  expectRefused({"sculpt", "take", "--save", "pot.clay"}, 2, "--save");
-  expectRefused({"sculpt", "take", "--clay", "pot.clay"}, 2, "pot.clay");
+  expectRefused({"sculpt", "take", "--tool", "hammer"}, 2, "--tool");
   expectRefused({"sculpt", "take", "--place", "1,2"}, 2, "--place 1,2");
   expectRefused({"sculpt", "take", "--place", "1,2,3,4"}, 2, "--place 1,2,3,4");
   expectRefused({"sculpt", "take", "--place", "0,nan,0"}, 2, "--place 0,nan,0");
