@@ -1,33 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "tests/desktop.h"
 
-#include <fcntl.h>
-#include <signal.h>
-#include <sys/prctl.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdlib>
-#include <fstream>
-#include <iterator>
 #include <stdexcept>
-#include <thread>
 
 namespace airclay {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 constexpr int kScreenWidth = 1400, kScreenHeight = 960;
-// Every few steps of a drag: about as often as a mouse tells where it is.
-constexpr auto kLookAgain = std::chrono::milliseconds(20);
-
-std::string contentOf(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
 
 bool isInPath(const std::string& program) {
   const char* path = std::getenv("PATH");
@@ -40,40 +23,6 @@ bool isInPath(const std::string& program) {
   return false;
 }
 
-std::vector<std::string> mergedEnvironment(const std::map<std::string, std::string>& extra) {
-  std::map<std::string, std::string> all;
-  for (char** entry = environ; *entry; ++entry) {
-    const std::string text = *entry;
-    all[text.substr(0, text.find('='))] = text.substr(std::min(text.find('=') + 1, text.size()));
-  }
-  for (const auto& [name, value] : extra) all[name] = value;
-  std::vector<std::string> entries;
-  for (const auto& [name, value] : all) entries.push_back(name + "=" + value);
-  return entries;
-}
-
-std::vector<char*> pointers(std::vector<std::string>& texts) {
-  std::vector<char*> result;
-  for (std::string& text : texts) result.push_back(text.data());
-  result.push_back(nullptr);
-  return result;
-}
-
-/// The child's side of fork(): only calls that are safe there, for other threads may hold locks.
-[[noreturn]] void become(char* const* words, char* const* environment, const char* output,
-                         const char* errors) {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);  // a test that crashes leaves no display behind
-  const int to_output = open(output, O_WRONLY | O_CREAT | O_TRUNC, 0600);
-  const int to_errors = open(errors, O_WRONLY | O_CREAT | O_TRUNC, 0600);
-  const int from_nothing = open("/dev/null", O_RDONLY);
-  if (to_output < 0 || to_errors < 0 || from_nothing < 0) _exit(127);
-  dup2(from_nothing, STDIN_FILENO);
-  dup2(to_output, STDOUT_FILENO);
-  dup2(to_errors, STDERR_FILENO);
-  execvpe(words[0], words, environment);
-  _exit(127);
-}
-
 std::uint32_t bigEndian(const std::string& bytes, std::size_t word) {
   std::uint32_t value = 0;
   for (std::size_t i = 0; i < 4; ++i) value = value << 8 | static_cast<std::uint8_t>(bytes.at(4 * word + i));
@@ -81,50 +30,6 @@ std::uint32_t bigEndian(const std::string& bytes, std::size_t word) {
 }
 
 }  // namespace
-
-bool waitUntil(const std::function<bool()>& true_yet, double deadline_s) {
-  const auto since = Clock::now();
-  while (!true_yet()) {
-    if (std::chrono::duration<double>(Clock::now() - since).count() > deadline_s) return false;
-    std::this_thread::sleep_for(kLookAgain);
-  }
-  return true;
-}
-
-// ------------------------------------------------------------------------------------------- programs
-
-Process::Process(const std::vector<std::string>& words, const std::map<std::string, std::string>& environment,
-                 const std::filesystem::path& output, const std::filesystem::path& errors) {
-  std::vector<std::string> all_words = words, entries = mergedEnvironment(environment);
-  const std::vector<char*> word_pointers = pointers(all_words), entry_pointers = pointers(entries);
-  pid_ = fork();
-  if (pid_ < 0) throw std::runtime_error("cannot fork");
-  if (pid_ == 0) become(word_pointers.data(), entry_pointers.data(), output.c_str(), errors.c_str());
-}
-
-Process::~Process() {
-  if (!running()) return;
-  send(SIGTERM);
-  if (waitForExit(5)) return;
-  send(SIGKILL);
-  waitForExit();
-}
-
-std::optional<int> Process::exitStatus() {
-  int state = 0;
-  if (!status_ && waitpid(pid_, &state, WNOHANG) == pid_)
-    status_ = WIFEXITED(state) ? WEXITSTATUS(state) : 128 + WTERMSIG(state);
-  return status_;
-}
-
-std::optional<int> Process::waitForExit(double deadline_s) {
-  waitUntil([&] { return exitStatus().has_value(); }, deadline_s);
-  return status_;
-}
-
-void Process::send(int signal) {
-  if (running()) kill(pid_, signal);
-}
 
 // ------------------------------------------------------------------------------------------- pictures
 
@@ -151,11 +56,12 @@ bool Desktop::possible() {
 }
 
 Desktop::Desktop() {
-  // The server takes the first free number and says which; its picture is a file (-fbdir).
+  // The server takes the first free number and says which; its picture is a file (-fbdir). Without -noreset
+  // it would begin anew whenever its last client leaves, and drop one that is just coming.
   const std::filesystem::path number = folder_ / "number";
   server_.emplace(
       std::vector<std::string>{"sh", "-c",
-                               "exec Xvfb -displayfd 3 -nolisten tcp -screen 0 " +
+                               "exec Xvfb -displayfd 3 -noreset -nolisten tcp -screen 0 " +
                                    std::to_string(kScreenWidth) + "x" + std::to_string(kScreenHeight) +
                                    "x24 -fbdir \"$1\" 3> \"$1/number\"",
                                "sh", folder_.path().string()},
@@ -177,7 +83,6 @@ Desktop::~Desktop() = default;
 
 std::map<std::string, std::string> Desktop::environment() const {
   return {{"DISPLAY", display_},
-          {"WAYLAND_DISPLAY", ""},
           {"XAUTHORITY", ""},
           {"XDG_CONFIG_HOME", folder_ / "config"},
           {"XDG_CACHE_HOME", folder_ / "cache"},

@@ -3,44 +3,11 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
-#include <functional>
-#include <map>
-#include <optional>
-#include <string>
-#include <vector>
 
+#include "tests/program.h"
 #include "tests/temporary_folder.h"
 
 namespace airclay {
-
-/// How long a test waits for what must come: long, as machines are slow, and only a failure takes it.
-inline constexpr double kDeadlineS = 60;
-
-/// Looks again and again whether `true_yet`; false when it never was.
-bool waitUntil(const std::function<bool()>& true_yet, double deadline_s = kDeadlineS);
-
-/// A program that runs beside the test, and ends with it.
-class Process {
- public:
-  /// `words` begin with the program's name, looked for in PATH. Output and errors go to files.
-  Process(const std::vector<std::string>& words, const std::map<std::string, std::string>& environment,
-          const std::filesystem::path& output, const std::filesystem::path& errors);
-  ~Process();
-  Process(const Process&) = delete;
-  Process& operator=(const Process&) = delete;
-
-  bool running() { return !exitStatus(); }
-  /// 128 + the signal that ended it; none while it runs.
-  std::optional<int> exitStatus();
-  /// The same, once it has ended; none when it doesn't.
-  std::optional<int> waitForExit(double deadline_s = kDeadlineS);
-  void send(int signal);
-
- private:
-  int pid_ = -1;
-  std::optional<int> status_;
-};
 
 /// Colours as they stand on the display: R G B, rows from the top.
 struct Screenshot {

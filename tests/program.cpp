@@ -3,11 +3,13 @@
 
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
@@ -20,24 +22,9 @@
 namespace airclay {
 namespace {
 
-std::string contentOf(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
+using Clock = std::chrono::steady_clock;
 
-/// The child's side of fork(): only calls that are safe there, for other threads may hold locks.
-[[noreturn]] void become(char* const* arguments, char* const* environment, const char* output,
-                         const char* errors) {
-  const int to_output = open(output, O_WRONLY | O_CREAT, 0600);
-  const int to_errors = open(errors, O_WRONLY | O_CREAT, 0600);
-  const int from_nothing = open("/dev/null", O_RDONLY);
-  if (to_output < 0 || to_errors < 0 || from_nothing < 0) _exit(127);
-  dup2(from_nothing, STDIN_FILENO);
-  dup2(to_output, STDOUT_FILENO);
-  dup2(to_errors, STDERR_FILENO);
-  execve(AIRCLAY_PROGRAM, arguments, environment);
-  _exit(127);
-}
+constexpr auto kLookAgain = std::chrono::milliseconds(5);  // short beside any run
 
 std::vector<std::string> mergedEnvironment(const std::map<std::string, std::string>& extra) {
   std::map<std::string, std::string> all;
@@ -61,7 +48,71 @@ std::vector<char*> pointers(std::vector<std::string>& texts) {
   return result;
 }
 
+/// The child's side of fork(): only calls that are safe there, for other threads may hold locks.
+[[noreturn]] void become(char* const* words, char* const* environment, const char* output,
+                         const char* errors) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);  // a test that crashes leaves no display behind
+  const int to_output = open(output, O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  const int to_errors = open(errors, O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  const int from_nothing = open("/dev/null", O_RDONLY);
+  if (to_output < 0 || to_errors < 0 || from_nothing < 0) _exit(127);
+  dup2(from_nothing, STDIN_FILENO);
+  dup2(to_output, STDOUT_FILENO);
+  dup2(to_errors, STDERR_FILENO);
+  execvpe(words[0], words, environment);
+  _exit(127);
+}
+
 }  // namespace
+
+std::string contentOf(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+bool waitUntil(const std::function<bool()>& true_yet, double deadline_s) {
+  const auto since = Clock::now();
+  while (!true_yet()) {
+    if (std::chrono::duration<double>(Clock::now() - since).count() > deadline_s) return false;
+    std::this_thread::sleep_for(kLookAgain);
+  }
+  return true;
+}
+
+// ------------------------------------------------------------------------------------------- programs
+
+Process::Process(const std::vector<std::string>& words, const std::map<std::string, std::string>& environment,
+                 const std::filesystem::path& output, const std::filesystem::path& errors) {
+  std::vector<std::string> all_words = words, entries = mergedEnvironment(environment);
+  const std::vector<char*> word_pointers = pointers(all_words), entry_pointers = pointers(entries);
+  pid_ = fork();
+  if (pid_ < 0) throw std::runtime_error("cannot fork");
+  if (pid_ == 0) become(word_pointers.data(), entry_pointers.data(), output.c_str(), errors.c_str());
+}
+
+Process::~Process() {
+  if (!running()) return;
+  send(SIGTERM);
+  if (waitForExit(5)) return;
+  send(SIGKILL);
+  waitForExit();
+}
+
+std::optional<int> Process::exitStatus() {
+  int state = 0;
+  if (!status_ && waitpid(pid_, &state, WNOHANG) == pid_)
+    status_ = WIFEXITED(state) ? WEXITSTATUS(state) : 128 + WTERMSIG(state);
+  return status_;
+}
+
+std::optional<int> Process::waitForExit(double deadline_s) {
+  waitUntil([&] { return exitStatus().has_value(); }, deadline_s);
+  return status_;
+}
+
+void Process::send(int signal) {
+  if (running()) kill(pid_, signal);
+}
 
 std::vector<std::string> Ran::errorLines() const {
   std::vector<std::string> lines;
@@ -72,27 +123,17 @@ std::vector<std::string> Ran::errorLines() const {
 
 Ran runAirclay(const std::vector<std::string>& words, const RunOptions& options) {
   const TemporaryFolder folder;
-  const std::string output = folder / "output", errors = folder / "errors";
-  std::vector<std::string> arguments = {"airclay"};
-  arguments.insert(arguments.end(), words.begin(), words.end());
-  std::vector<std::string> environment = mergedEnvironment(options.environment);
-  const std::vector<char*> argument_pointers = pointers(arguments),
-                           environment_pointers = pointers(environment);
-
-  const pid_t child = fork();
-  if (child < 0) throw std::runtime_error("cannot fork");
-  if (child == 0)
-    become(argument_pointers.data(), environment_pointers.data(), output.c_str(), errors.c_str());
+  std::vector<std::string> all = {AIRCLAY_PROGRAM};
+  all.insert(all.end(), words.begin(), words.end());
+  Process program(all, options.environment, folder / "output", folder / "errors");
   if (options.terminate_after_ms > 0) {
     std::this_thread::sleep_for(std::chrono::milliseconds(options.terminate_after_ms));
-    kill(child, SIGTERM);
+    program.send(SIGTERM);
   }
-  int state = 0;
-  if (waitpid(child, &state, 0) != child) throw std::runtime_error("cannot wait for the program");
   Ran ran;
-  ran.status = WIFEXITED(state) ? WEXITSTATUS(state) : 128 + WTERMSIG(state);
-  ran.output = contentOf(output);
-  ran.errors = contentOf(errors);
+  ran.status = *program.waitForExit(INFINITY);
+  ran.output = contentOf(folder / "output");
+  ran.errors = contentOf(folder / "errors");
   return ran;
 }
 
