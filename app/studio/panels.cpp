@@ -119,7 +119,7 @@ void Panels::drawMenu(const DocumentView& document, PanelWishes& wishes) {
   if (ImGui::BeginMenu("Show")) {
     ImGui::MenuItem("Panels", "Tab", &settings_.show_panels);
     ImGui::MenuItem("Control cage", "G", &settings_.show_cage);
-    ImGui::MenuItem("Data points", "D", &settings_.show_points);
+    ImGui::MenuItem("Data points", "P", &settings_.show_points);
     ImGui::MenuItem("Voxels", "V", &settings_.show_voxels, session_.hasRecording());
     ImGui::MenuItem("Skeleton", "B", &settings_.show_skeleton);
     ImGui::MenuItem("Cameras", "C", &settings_.show_cameras);
