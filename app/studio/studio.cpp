@@ -65,9 +65,9 @@ class Studio {
 
   void run() {
     while (!window_.closing()) {
-      const Snapshot snapshot = session_.snapshot();
       if (session_.pipelineFailed()) break;
-      window_.poll(pollSeconds(snapshot));
+      window_.poll(pollSeconds(session_.snapshot()));
+      const Snapshot snapshot = session_.snapshot();  // a new frame may have ended the wait
       for (const std::filesystem::path& file : window_.takeDropped()) openDropped(file);
       drawPicture(snapshot);
       writeLog(snapshot);
