@@ -109,8 +109,12 @@ std::filesystem::path unsavedFile() {
   return file;
 }
 
-/// The document that --clay and --save mean.
-Document documentFrom(const SculptOptions& options, const Workspace& workspace, bool keep_unsaved) {
+bool namesDocument(const SculptOptions& options) {
+  return !options.save.empty() || options.clay.ends_with(".clay");
+}
+
+/// The document that --clay and --save mean; else one among the unsaved.
+Document documentFrom(const SculptOptions& options, const Workspace& workspace) {
   if (options.clay.ends_with(".clay")) {
     if (options.place || options.size_m > 0)
       throw Error("--place and --size are for presets and OBJ files; a document knows where its clay is",
@@ -123,7 +127,6 @@ Document documentFrom(const SculptOptions& options, const Workspace& workspace, 
   const ClayState state{placedCage(options, workspace), options.words.subdivisionRule(), options.words.levels,
                         options.words.solveRows()};
   if (!options.save.empty()) return Document::create(options.save, state, "New " + options.clay);
-  if (!keep_unsaved) throw Error("a document is wanted", Fault::kUsage);
   makeFolder(stateFolder());
   return Document::create(unsavedFile(), state, "New " + options.clay);
 }
@@ -139,11 +142,10 @@ bool wantsWindow(const SculptOptions& options) {
 /// Runs the studio; unsaved clay that nobody touched leaves nothing behind.
 void sculptInWindow(Gpu& gpu, const Session::Options& session, const SculptOptions& options,
                     const StudioOptions& studio) {
-  const bool unsaved = options.save.empty() && !options.clay.ends_with(".clay");
-  Document document = documentFrom(options, session.rig.workspace, true);
+  Document document = documentFrom(options, session.rig.workspace);
   const std::filesystem::path file = document.file();
   runStudio(gpu, session, std::move(document), studio);
-  if (!unsaved) return;
+  if (namesDocument(options)) return;
   if (Document::open(file).history().size() == 1)
     std::filesystem::remove(file);
   else
@@ -169,8 +171,7 @@ void sculptTake(const SculptOptions& options) {
     return;
   }
   std::optional<Document> document;
-  if (!options.save.empty() || options.clay.ends_with(".clay"))
-    document = documentFrom(options, take.rig().workspace, false);
+  if (namesDocument(options)) document = documentFrom(options, take.rig().workspace);
   sculpting.clay = document ? clayOf(document->state()) : clayOptions(options, take.rig().workspace);
   makeFolder(options.out);
   sculptHeadless(gpu, take, sculpting, document ? &*document : nullptr, options);

@@ -235,10 +235,6 @@ void Session::pauseTake(bool paused) {
   if (reader_) reader_->pause(paused);
 }
 
-void Session::forgetHand() {
-  post([this] { pipeline_.forgetHand(); });
-}
-
 // --------------------------------------------------------------------------------------------- the own
 // thread
 
@@ -282,7 +278,7 @@ bool Session::obey() {
   return worked;
 }
 
-void Session::learn(const FrameSet& set) {
+void Session::copyPictures(const FrameSet& set) {
   for (std::size_t c = 0; c < set.bytes.size(); ++c)
     std::copy(set.bytes[c].begin(), set.bytes[c].end(), pipeline_.picture(c).begin());
 }
@@ -320,7 +316,7 @@ bool Session::frameFromRecording() {
       masks.push_back({options_.rig.cameras[c].width, options_.rig.cameras[c].height, set_.bytes[c]});
     next.result = pipeline_.trackMasks(masks);
   } else {
-    learn(set_);
+    copyPictures(set_);
     if (next.learning)
       pipeline_.learnBackground();
     else
@@ -373,7 +369,7 @@ void Session::sculpt(Snapshot& next, double step_s) {
   if (!next.result.fit.tracked) {
     steady_.reset();
     pipeline_.forgetGivenHand();
-    follow(next);
+    follow(next, settings);
     return;
   }
   Pose pose = next.result.fit.world_from_hand;
@@ -388,27 +384,20 @@ void Session::sculpt(Snapshot& next, double step_s) {
   controls.tool = settings.tool;
   controls.symmetry = settings.symmetry;
   controls.frame_s = std::clamp(step_s, 1e-3, 0.1);
-  controls.held = next.trust == HandTrust::kTracking && !turning_ &&
-                  (settings.clutch == Clutch::kContact || settings.clutch_down);
+  controls.held = next.trust == HandTrust::kTracking && !turning_ && settings.held();
   const FrameResult step = pipeline_.sculptWith(pose, controls);
   next.result.clay = step.clay;
   addStages(step.stage_ms, next.result.stage_ms);
   next.result.frame_ms += step.frame_ms;
-  next.sculpting = strokes_.underWay();
-  follow(next);
+  follow(next, settings);
 }
 
 /// Strokes become entries of the document's history.
-void Session::follow(const Snapshot& next) {
-  SessionSettings settings;
-  {
-    const std::lock_guard lock(mutex_);
-    settings = settings_;
-  }
+void Session::follow(const Snapshot& next, const SessionSettings& settings) {
   StrokeFrame frame;
   frame.time_s = next.time_s;
   frame.touched = next.result.clay.touched;
-  frame.held = settings.clutch == Clutch::kContact || settings.clutch_down;
+  frame.held = settings.held();
   frame.tracked = next.trust == HandTrust::kTracking;
   if (strokes_.see(frame, toolName(settings.tool), pipeline_.clay())) refreshDocumentView();
 }

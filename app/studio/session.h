@@ -46,6 +46,9 @@ struct SessionSettings {
   Clutch clutch = Clutch::kContact;
   bool clutch_down = false;
   bool steady = true;  ///< the One Euro filter
+
+  /// Whether the clutch lets the hand shape the clay.
+  bool held() const { return clutch == Clutch::kContact || clutch_down; }
 };
 
 /// The state of things after a frame, as the window shows it.
@@ -115,7 +118,6 @@ class Session {
   void replaceClay(const ClayState& state, const std::string& name);
   void restartTake();
   void pauseTake(bool paused);
-  void forgetHand();
 
   /// The clay as it lies on the device, and its form; `look` must submit all that it records before it
   /// returns.
@@ -140,9 +142,9 @@ class Session {
   bool obey();
   bool frameFromRecording();
   bool frameFromMouse();
-  void learn(const FrameSet& set);
+  void copyPictures(const FrameSet& set);
   void sculpt(Snapshot& next, double step_s);
-  void follow(const Snapshot& next);
+  void follow(const Snapshot& next, const SessionSettings& settings);
   void endStroke();
   void show(const ClayState& state);
   void publish(Snapshot next);

@@ -68,7 +68,6 @@ StudioSettings loadSettings() {
     number("clutch", 0, 1, clutch);
     settings.tool = static_cast<Tool>(tool);
     settings.clutch = static_cast<Clutch>(clutch);
-    settings.text_scale = std::clamp(table["text_scale"].value_or(settings.text_scale), 0.5, 3.0);
     settings.folder = table["folder"].value_or(std::string());
     for (const Switch& one : switchesOf(settings)) one.value = table[one.key].value_or(one.value);
   } catch (const toml::parse_error& error) {
@@ -84,8 +83,7 @@ void saveSettings(const StudioSettings& settings) {
   StudioSettings copy = settings;
   toml::table table{{"window_width", settings.window_width},       {"window_height", settings.window_height},
                     {"clutch_key", settings.clutch_key},           {"tool", static_cast<int>(settings.tool)},
-                    {"clutch", static_cast<int>(settings.clutch)}, {"text_scale", settings.text_scale},
-                    {"folder", settings.folder.string()}};
+                    {"clutch", static_cast<int>(settings.clutch)}, {"folder", settings.folder.string()}};
   for (const Switch& one : switchesOf(copy)) table.insert(one.key, one.value);
   std::ostringstream text;
   text << table << "\n";

@@ -10,7 +10,6 @@ namespace airclay {
 
 struct StudioSettings {
   int window_width = 1280, window_height = 800;  ///< screen units
-  double text_scale = 1;                         ///< on top of the display's own
   Tool tool = Tool::kPush;
   Symmetry symmetry;
   Clutch clutch = Clutch::kContact;

@@ -45,8 +45,7 @@ const char* wordFor(HandTrust trust) {
 class Studio {
  public:
   Studio(Gpu& gpu, const Session::Options& session, Document document, const StudioOptions& options)
-      : gpu_(gpu),
-        options_(options),
+      : options_(options),
         settings_(loadSettings()),
         window_(gpu, {options.title, settings_.window_width, settings_.window_height}),
         session_(gpu, waking(session), std::move(document)),
@@ -115,8 +114,6 @@ class Studio {
     chooser_.draw();
     if (show_help_) show_help_ = drawHelp(keys_);
     drawNotes();
-    if (recorded_) recorder_.wait();
-    recorded_ = true;
     session_.withClay([&](const Session::ClayOnDevice& clay) {
       recorder_.begin();
       stage_.record(recorder_, clay, snapshot, settings_,
@@ -124,7 +121,6 @@ class Studio {
       window_.present(recorder_, stage_.picture(), panels_.insets());
     });
     recorder_.wait();
-    recorded_ = false;
     std::optional<double> latency_ms;
     if (snapshot.serial != drawn_serial_ && snapshot.world_from_hand)
       latency_ms = 1000 * secondsBetween(snapshot.captured_at, Clock::now());
@@ -347,7 +343,6 @@ class Studio {
     log_ << line.dump() << std::endl;
   }
 
-  Gpu& gpu_;
   StudioOptions options_;
   StudioSettings settings_;
   Window window_;
@@ -362,7 +357,7 @@ class Studio {
   MouseHand mouse_hand_;
   std::deque<Note> notes_;
   std::ofstream log_;
-  bool show_help_ = false, turning_clay_ = false, paused_ = false, recorded_ = false;
+  bool show_help_ = false, turning_clay_ = false, paused_ = false;
   std::uint64_t drawn_serial_ = 0;
   Clock::time_point last_change_ = Clock::now(), last_picture_ = Clock::now(), last_log_{};
 };

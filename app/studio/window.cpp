@@ -24,13 +24,16 @@ void glfwFault(int, const char* words) {
   last_glfw_fault = words;
 }
 
+[[noreturn]] void refuseToOpen() {
+  throw Error("no window can be opened (" + last_glfw_fault + "); --headless works without a display",
+              Fault::kDevice);
+}
+
 /// GLFW, for as long as there is a window.
 struct Glfw {
   Glfw() {
     glfwSetErrorCallback(glfwFault);
-    if (!glfwInit())
-      throw Error("no window can be opened (" + last_glfw_fault + "); --headless works without a display",
-                  Fault::kDevice);
+    if (!glfwInit()) refuseToOpen();
   }
   ~Glfw() { glfwTerminate(); }
 };
@@ -161,9 +164,7 @@ struct Window::Parts {
   void open(const Options& options) {
     glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
     window = glfwCreateWindow(options.width, options.height, options.title.c_str(), nullptr, nullptr);
-    if (!window)
-      throw Error("no window can be opened (" + last_glfw_fault + "); --headless works without a display",
-                  Fault::kDevice);
+    if (!window) refuseToOpen();
     glfwSetWindowSizeLimits(window, 640, 400, GLFW_DONT_CARE, GLFW_DONT_CARE);
     glfwSetWindowUserPointer(window, this);
     glfwSetFramebufferSizeCallback(window, [](GLFWwindow* w, int, int) {
@@ -227,14 +228,6 @@ Window::Window(Gpu& gpu, const Options& options) : parts_(std::make_unique<Parts
 }
 Window::~Window() = default;
 
-GLFWwindow* Window::handle() const {
-  return parts_->window;
-}
-
-void Window::setTitle(const std::string& title) {
-  glfwSetWindowTitle(parts_->window, title.c_str());
-}
-
 void Window::poll(double wait_s) {
   if (wait_s > 0 && !parts_->keys.waiting())
     glfwWaitEventsTimeout(wait_s);
@@ -248,9 +241,6 @@ bool Window::closing() const {
 void Window::close() {
   glfwSetWindowShouldClose(parts_->window, GLFW_TRUE);
 }
-void Window::closeLater() {
-  glfwSetWindowShouldClose(parts_->window, GLFW_FALSE);
-}
 
 std::vector<std::filesystem::path> Window::takeDropped() {
   return std::exchange(parts_->dropped, {});
@@ -261,9 +251,6 @@ int Window::width() const {
 }
 int Window::height() const {
   return static_cast<int>(parts_->pixels().height);
-}
-double Window::scale() const {
-  return parts_->scale;
 }
 std::pair<int, int> Window::sizeOnScreen() const {
   int width = 0, height = 0;

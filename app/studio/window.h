@@ -13,8 +13,6 @@
 
 #include "engine/gpu/image.h"
 
-struct GLFWwindow;
-
 namespace airclay {
 
 /// Small pictures that lie on the window's picture, under the interface: B G R A bytes, rows from the top.
@@ -41,21 +39,16 @@ class Window {
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
 
-  GLFWwindow* handle() const;
-  void setTitle(const std::string& title);
-
   /// Handles what has happened, waiting for it for up to `wait_s`.
   void poll(double wait_s);
-  /// The user wants it closed; closeLater() takes that back.
+  /// The user wants it closed.
   bool closing() const;
   void close();
-  void closeLater();
   /// Files dropped on the window since the last call.
   std::vector<std::filesystem::path> takeDropped();
 
-  int width() const;     ///< pixels; 0 while minimised
-  int height() const;    ///< pixels
-  double scale() const;  ///< pixels a point of the interface, as the display wants it
+  int width() const;   ///< pixels; 0 while minimised
+  int height() const;  ///< pixels
   /// In screen units, to be remembered.
   std::pair<int, int> sizeOnScreen() const;
 
