@@ -108,7 +108,7 @@ GpuRig::GpuRig(Gpu& gpu, const Rig& rig) : rig_(rig) {
     GpuCamera c = gpuCamera(camera, rig.workspace);
     c.row_words = (c.width + 63) / 64 * 2;
     c.mask_words = mask_words_;
-    c.tile_entries = (c.width + kTilePixels * kEntryTiles - 1) / (kTilePixels * kEntryTiles);
+    c.tile_entries = (c.width + kEntryPixels - 1) / kEntryPixels;
     c.first_entry = tile_entries_;
     c.picture_words = picture_words_;
     c.pixels_before = pixels_;
@@ -116,9 +116,9 @@ GpuRig::GpuRig(Gpu& gpu, const Rig& rig) : rig_(rig) {
     pixels_ += c.width * c.height;
     max_pixels_ = std::max(max_pixels_, c.width * c.height);
     mask_words_ += c.row_words * c.height;
-    const std::uint32_t tile_rows = (c.height + kTilePixels - 1) / kTilePixels;
-    tile_entries_ += c.tile_entries * tile_rows;
-    max_entries_ = std::max(max_entries_, c.tile_entries * tile_rows);
+    const std::uint32_t bands = (c.height + kLargeTilePixels - 1) / kLargeTilePixels;
+    tile_entries_ += c.tile_entries * bands * kBandRows;
+    max_bands_ = std::max(max_bands_, c.tile_entries * bands);
     max_rows_ = std::max(max_rows_, c.height);
     max_row_words_ = std::max(max_row_words_, c.row_words);
     host_cameras_.push_back(c);

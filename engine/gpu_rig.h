@@ -29,9 +29,9 @@ class GpuRig {
 
   /// Words of all masks together (see camera_io.h for their layout).
   std::uint32_t maskWords() const { return mask_words_; }
-  /// Entries of all masks' tiles (carve_io.h), and the largest number of any camera's.
+  /// Entries of all masks' tiles (carve_io.h), and the largest number of any camera's bands of 128 pixels.
   std::uint32_t tileEntries() const { return tile_entries_; }
-  std::uint32_t maxTileEntries() const { return max_entries_; }
+  std::uint32_t maxBands() const { return max_bands_; }
   /// Words of all pictures together: BGR bytes, rows without padding, each camera's picture at a whole word;
   /// and one word more, so that a kernel may read four pixels from any byte.
   std::uint32_t pictureWords() const { return picture_words_ + 1; }
@@ -64,7 +64,7 @@ class GpuRig {
   Rig rig_;
   std::vector<GpuCamera> host_cameras_;
   Buffer<GpuCamera> cameras_;
-  std::uint32_t mask_words_ = 0, tile_entries_ = 0, max_entries_ = 0, max_rows_ = 0, max_row_words_ = 0,
+  std::uint32_t mask_words_ = 0, tile_entries_ = 0, max_bands_ = 0, max_rows_ = 0, max_row_words_ = 0,
                 picture_words_ = 0, pixels_ = 0, max_pixels_ = 0;
 };
 

@@ -24,20 +24,27 @@ const uint kOutside = 1;  // it sees all, none in the silhouette
 const uint kInside = 2;   // all in the silhouette
 const uint kUndecided = 3;
 
+// The tiles that it looks at.
+const bool kLarge = kSize == kTopVoxels;
+const uint kTile = kLarge ? kLargeTilePixels : kTilePixels;
+const uint kTiles = kEntryPixels / kTile;
+
 uint verdict(GpuCamera camera, Footprint footprint) {
   if (footprint.seen != kWholeSeen) return footprint.seen == kUnseen ? kNothing : kUndecided;
   // any and all over the rectangle's tiles
-  const uvec2 first = pixelAt(footprint.low) / kTilePixels, last = pixelAt(footprint.high) / kTilePixels;
+  const uvec2 first = pixelAt(footprint.low) / kTile, last = pixelAt(footprint.high) / kTile;
   uint any_set = 0, any_clear = 0;
-  for (uint y = first.y; y <= last.y; ++y)
-    for (uint entry = first.x / kEntryTiles; entry <= last.x / kEntryTiles; ++entry) {
-      const uint from = max(first.x, entry * kEntryTiles) % kEntryTiles;
-      const uint to = min(last.x, entry * kEntryTiles + kEntryTiles - 1) % kEntryTiles;
-      const uint columns = (~0u << from) & (~0u >> (kEntryTiles - 1 - to));
-      const uvec2 tiles = unpackUint2x32(args.tiles.at[camera.first_entry + y * camera.tile_entries + entry]);
+  for (uint y = first.y; y <= last.y; ++y) {
+    const uint row = kLarge ? kBandRows * y + kBandRows - 1 : y + y / (kBandRows - 1);
+    for (uint entry = first.x / kTiles; entry <= last.x / kTiles; ++entry) {
+      const uint from = max(first.x, entry * kTiles) % kTiles;
+      const uint to = min(last.x, entry * kTiles + kTiles - 1) % kTiles;
+      const uint columns = (~0u << from) & (~0u >> (31 - to));
+      const uvec2 tiles = unpackUint2x32(args.tiles.at[camera.first_entry + row * camera.tile_entries + entry]);
       any_set |= tiles.x & columns;
       any_clear |= ~tiles.y & columns;
     }
+  }
   return any_set == 0 ? kOutside : any_clear == 0 ? kInside : kUndecided;
 }
 
@@ -97,7 +104,7 @@ void main() {
   for (uint i = 0; i < kRun; ++i) {
     undecided[i] = 0;
     seen[i] = block.seen;
-    empty[i] = false;
+    empty[i] = idle;
   }
   for (uint cameras = subgroupOr(block.cameras); cameras != 0; cameras &= cameras - 1) {
     const uint index = findLSB(cameras);
@@ -111,6 +118,9 @@ void main() {
       seen[i] += says == kInside ? 1 : 0;
       undecided[i] |= says == kUndecided ? 1u << index : 0;
     }
+    uint open = 0;
+    for (uint i = 0; i < kRun; ++i) open += empty[i] ? 0 : 1;
+    if (subgroupOr(open) == 0) break;
   }
 
   if (idle) return;

@@ -61,11 +61,15 @@ READ_WRITE_POINTER(ReadWriteUlongs, uint64_t)
 // Workgroup size, at most: a software device takes one subgroup, so that its threads can share few blocks evenly.
 const uint kCarveWorkgroup = 64;
 
-// carve_tiles: for each tile of 4 x 4 pixels of each mask whether any, and whether all of its pixels are set. An entry is 32 tiles of a row: `any` in
-// its low word, `all` in its high one. A block's rectangle is then a few loads; summed-area tables would cost more to build than they save.
+// carve_tiles: for each tile of 4 x 4 pixels of each mask whether any, and whether all of its pixels are set; the same for large tiles of 16 x 16,
+// which the topmost blocks look at. A block's rectangle is then a few loads; summed-area tables would cost more to build than they save.
+// An entry is 128 pixels of a row of tiles: `any` in its low word, `all` in its high one, the leftmost tile's bit lowest. Rows of entries come in bands
+// of 16 pixels: four rows of tiles, then one of large tiles.
 // Being the first kernel of a model, it clears what the others count.
 const uint kTilePixels = 4;
-const uint kEntryTiles = 32;
+const uint kLargeTilePixels = 16;
+const uint kEntryPixels = 128;
+const uint kBandRows = 5;  // of entries
 
 struct CarveTileArgs {
   ReadCameras cameras;

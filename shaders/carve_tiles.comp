@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// Any and all over tiles of the masks: one invocation 32 tiles of a row, that is 128 x 4 pixels.
+// Any and all over tiles of the masks: one invocation a band of 128 x 16 pixels.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/carve_io.h"
 #include "shaders/picture.glsl"
@@ -25,27 +25,36 @@ void main() {
   }
   const Picture camera = pictureOf(args.cameras, gl_WorkGroupID.y);
   const uint row_pairs = camera.row_words / 2, entries = (row_pairs + 1) / 2;
-  const uint row = gl_GlobalInvocationID.x / entries, entry = gl_GlobalInvocationID.x % entries;
-  if (row * kTilePixels >= camera.height) return;
+  const uint band = gl_GlobalInvocationID.x / entries, entry = gl_GlobalInvocationID.x % entries;
+  if (band * kLargeTilePixels >= camera.height) return;
 
   const uint mask = camera.mask_words / 2;
-  const uint end = min((row + 1) * kTilePixels, camera.height);
-  uint any_tiles = 0, all_tiles = 0;
-  for (uint k = 0; k < 2; ++k) {
-    const uint pair = 2 * entry + k;
-    uint64_t any_bits = 0ul, all_bits = ~0ul;
-    if (pair < row_pairs) {
-      for (uint y = row * kTilePixels; y < end; ++y) {
-        const uint64_t word = args.masks.at[mask + y * row_pairs + pair];
-        any_bits |= word;
-        all_bits &= word;
+  const uint first_entry = camera.first_entry + band * kBandRows * entries + entry;
+  uint any_band = 0, all_band = ~0u;
+  for (uint row = 0; row < kLargeTilePixels / kTilePixels; ++row) {
+    const uint low = band * kLargeTilePixels + row * kTilePixels, high = min(low + kTilePixels, camera.height);
+    uint any_tiles = 0, all_tiles = 0;
+    for (uint k = 0; k < 2; ++k) {
+      const uint pair = 2 * entry + k;
+      uint64_t any_bits = 0ul, all_bits = ~0ul;
+      if (pair < row_pairs) {
+        for (uint y = low; y < high; ++y) {
+          const uint64_t word = args.masks.at[mask + y * row_pairs + pair];
+          any_bits |= word;
+          all_bits &= word;
+        }
+        // pixels behind the right edge do not exist: they keep no tile from being all set
+        const uint pixels = 64 * pair < camera.width ? camera.width - 64 * pair : 0;
+        if (pixels < 64) all_bits |= ~0ul << pixels;
       }
-      // pixels behind the right edge do not exist: they keep no tile from being all set
-      const uint pixels = 64 * pair < camera.width ? camera.width - 64 * pair : 0;
-      if (pixels < 64) all_bits |= ~0ul << pixels;
+      any_tiles |= (~fours(~any_bits) & 0xFFFFu) << (16 * k);
+      all_tiles |= fours(all_bits) << (16 * k);
     }
-    any_tiles |= (~fours(~any_bits) & 0xFFFFu) << (16 * k);
-    all_tiles |= fours(all_bits) << (16 * k);
+    args.tiles.at[first_entry + row * entries] = packUint2x32(uvec2(any_tiles, all_tiles));
+    any_band |= any_tiles;
+    all_band &= all_tiles;
   }
-  args.tiles.at[camera.first_entry + row * entries + entry] = packUint2x32(uvec2(any_tiles, all_tiles));
+  // four tiles of four rows are a large one
+  const uvec2 large = uvec2(~fours(~uint64_t(any_band)), fours(all_band)) & 0xFFu;
+  args.tiles.at[first_entry + (kBandRows - 1) * entries] = packUint2x32(large);
 }

@@ -24,7 +24,7 @@ Picture pictureOf(ReadCameras cameras, uint index) {
     picture.mask_words = index * picture.row_words * kSameHeight;
     picture.picture_words = index * ((3 * kSameWidth * kSameHeight + 7) / 8 * 2);
     picture.pixels_before = index * kSameWidth * kSameHeight;
-    picture.first_entry = index * ((kSameWidth + 127) / 128) * ((kSameHeight + 3) / 4);
+    picture.first_entry = index * ((kSameWidth + 127) / 128) * ((kSameHeight + 15) / 16 * 5);
   } else {
     picture.width = cameras.at[index].width;
     picture.height = cameras.at[index].height;
