@@ -84,10 +84,7 @@ Photographs photograph(Gpu& gpu, const GpuRig& rig, const std::vector<TriangleMe
                        const Pose& world_from_hand) {
   Sensor sensor(gpu, rig, meshes);
   Recorder recorder(gpu);
-  recorder.begin();
-  recorder.stage("cameras");
-  sensor.record(recorder, world_from_hand, {});
-  recorder.submitAndWait();
+  sensor.draw(recorder, world_from_hand, {});
   Photographs result;
   for (std::size_t i = 0; i < rig.cameraCount(); ++i) {
     const Camera& camera = rig.rig().cameras[i];

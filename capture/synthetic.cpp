@@ -68,10 +68,7 @@ bool Synthetic::readPictures(int frame, Buffers bgr) {
   sensor_frame.frame = static_cast<std::uint32_t>(frame);
   sensor_frame.noise_sigma = options.noise_sigma;
   sensor_frame.brightness = 1 + options.drift * std::sin(2 * M_PI * timeOf(frame) / kDriftPeriodS);
-  parts_->recorder.begin();
-  parts_->recorder.stage("sensor");
-  parts_->sensor.record(parts_->recorder, options.script.at(timeOf(frame)), sensor_frame);
-  parts_->recorder.submitAndWait();
+  parts_->sensor.draw(parts_->recorder, options.script.at(timeOf(frame)), sensor_frame);
   for (std::size_t camera = 0; camera < bgr.size(); ++camera) {
     const std::span<const std::uint8_t> picture = parts_->sensor.picture(camera);
     if (bgr[camera].size() != picture.size())

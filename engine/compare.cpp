@@ -17,6 +17,7 @@
 #include "engine/silhouette.h"
 #include "engine/solve.h"
 #include "engine/subdivide.h"
+#include "engine/symmetry.h"
 #include "engine/tracker.h"
 #include "shaders/fit_choose.comp.h"
 
@@ -503,6 +504,33 @@ void compareRelax(Scene& scene, Comparisons& comparisons) {
   comparisons.add("smooth", relativeError(doubles(tools.frame.displacements().download()), expected), 1e-4);
 }
 
+/// A ball whose points were moved about, made symmetric again.
+void compareSymmetry(Scene& scene, Comparisons& comparisons) {
+  PolygonMesh cage = presetCage("ball");
+  const SymmetryOrbits orbits = symmetryOrbits(cage, {true, true, true});
+  std::vector<double> exact;
+  for (std::size_t i = 0; i < cage.points.size(); ++i) {
+    cage.points[i] +=
+        1e-3 * Vec3(std::sin(1.0 + double(i)), std::sin(2.0 * double(i)), std::cos(3.0 * double(i)));
+    exact.insert(exact.end(), cage.points[i].data(), cage.points[i].data() + 3);
+  }
+  const Buffer<double> exact_points(scene.gpu, exact);
+  const Buffer<vec3> control_points(scene.gpu, cage.points.size());
+  const Buffer<std::uint32_t> groups(scene.gpu, std::vector<std::uint32_t>{1, 1, 1});
+  SymmetryKeeper keeper(scene.gpu);
+  keeper.setOrbits(orbits);
+  scene.recorder.begin();
+  keeper.recordIndirect(scene.recorder, exact_points, control_points, groups.raw(), 0);
+  scene.recorder.submitAndWait();
+  averageOrbits(orbits, cage.points);
+  exact = exact_points.download();
+  double error_m = orbits.points.empty() ? NAN : 0;
+  for (std::size_t i = 0; i < cage.points.size(); ++i)
+    error_m =
+        larger(error_m, (Vec3(exact[3 * i], exact[3 * i + 1], exact[3 * i + 2]) - cage.points[i]).norm());
+  comparisons.add("symmetry, mm", 1000 * error_m, 1e-9);
+}
+
 }  // namespace
 
 std::vector<KernelComparison> compareKernels(Gpu& gpu) {
@@ -518,6 +546,7 @@ std::vector<KernelComparison> compareKernels(Gpu& gpu) {
   compareContact(scene, comparisons);
   compareGrip(scene, comparisons);
   compareRelax(scene, comparisons);
+  compareSymmetry(scene, comparisons);
   return comparisons.take();
 }
 

@@ -63,10 +63,7 @@ DemoCameras::DemoCameras(Gpu& gpu, const GpuRig& rig) : sensor_(gpu, rig, demoAr
 const Buffer<std::uint32_t>& DemoCameras::draw(int frame) {
   SensorFrame sensor_frame;
   sensor_frame.frame = static_cast<std::uint32_t>(frame);
-  recorder_.begin();
-  recorder_.stage("sensor");
-  sensor_.record(recorder_, pose(frame), sensor_frame);
-  recorder_.submitAndWait();
+  sensor_.draw(recorder_, pose(frame), sensor_frame);
   return sensor_.pictures();
 }
 

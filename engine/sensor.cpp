@@ -40,19 +40,27 @@ std::vector<vec3> raysOf(const Camera& camera) {
   return rays;
 }
 
-/// The quantiles of the normal distribution at (i + ½) / count: any of them is equally likely.
-std::vector<float> normalQuantiles(std::size_t count) {
-  std::vector<float> quantiles;
-  for (std::size_t i = 0; i < count; ++i) {
-    const double share = (static_cast<double>(i) + 0.5) / static_cast<double>(count);
-    double low = -6, high = 6;
+/// The noise table of sensor_io.h. Every channel is the quantiles of the normal distribution at (i + ½) /
+/// count, in an order of its own: a lattice rule (Korobov 1959), whose multiplier leaves channels a
+/// correlation of 3e-4.
+std::vector<std::uint64_t> noiseTable() {
+  constexpr std::uint64_t kCount = 1ull << kNoiseBits, kMultiplier = 6693;
+  std::vector<std::uint64_t> quantiles;  // as steps
+  for (std::uint64_t i = 0; i < kCount; ++i) {
+    const double share = (double(i) + 0.5) / double(kCount);
+    double low = -kNoiseReach, high = kNoiseReach;
     for (int step = 0; step < 40; ++step) {
       const double middle = 0.5 * (low + high);
       (0.5 * std::erfc(-middle / std::sqrt(2.0)) < share ? low : high) = middle;
     }
-    quantiles.push_back(static_cast<float>(low));
+    quantiles.push_back(static_cast<std::uint64_t>(std::lround((low / kNoiseReach + 1) / 2 * kNoiseSteps)));
   }
-  return quantiles;
+  std::vector<std::uint64_t> table;
+  for (std::uint64_t i = 0; i < kCount; ++i) {
+    const std::uint64_t j = kMultiplier * i % kCount, k = kMultiplier * j % kCount;
+    table.push_back(quantiles[i] | quantiles[j] << 21 | quantiles[k] << 42);
+  }
+  return table;
 }
 
 }  // namespace
@@ -86,12 +94,14 @@ Sensor::Sensor(Gpu& gpu, const GpuRig& rig, const std::vector<TriangleMesh>& mes
       rig_(rig),
       mesh_pipeline_(gpu, "sensor hand", {sensor_vert, sensor_frag}),
       shadow_kernel_(gpu, "sensor_shadow", sensor_shadow_comp, {kSensorWorkgroup}),
-      compose_hand_(gpu, "sensor_compose", sensor_compose_comp, {kSensorWorkgroup, 1}),
-      compose_empty_(gpu, "sensor_compose_empty", sensor_compose_comp, {kSensorWorkgroup, 0}),
+      compose_hand_(gpu, "sensor_compose", sensor_compose_comp,
+                    {kSensorWorkgroup, rig.sameSize()[0], rig.sameSize()[1], 1}),
+      compose_empty_(gpu, "sensor_compose_empty", sensor_compose_comp,
+                     {kSensorWorkgroup, rig.sameSize()[0], rig.sameSize()[1], 0}),
       backdrop_(gpu, 2 * std::size_t(rig.pixels())),
       shadow_(gpu, kShadowCells * kShadowCells),
-      quantiles_(gpu, normalQuantiles(std::size_t(1) << kQuantileBits)),
-      hand_(gpu, rig.pixels()),
+      noise_(gpu, noiseTable()),
+      hand_(gpu, rig.pixels() + 3),  // read four at a time
       pictures_(gpu, rig.pictureWords(), Memory::kHost) {
   uploadMeshes(meshes);
   for (const Camera& camera : rig.rig().cameras) {
@@ -163,6 +173,7 @@ void Sensor::bakeBackdrop() {
     args.width = rig_.camera(i).width;
     args.height = rig_.camera(i).height;
     args.pixels_before = rig_.camera(i).pixels_before;
+    args.all_pixels = rig_.pixels();
     args.edge_m = static_cast<float>(edge_m);
     args.floor_z = static_cast<float>(floor_z_);
     args.wall_radius = static_cast<float>(wall_radius_);
@@ -179,7 +190,6 @@ void Sensor::recordHand(Recorder& recorder, std::size_t camera, const Pose& worl
   args.cameras = rig_.cameras();
   args.positions = positions_;
   args.normals = normals_;
-  args.indices = indices_;
   args.camera_from_hand = camera_from_hand.linear().cast<float>();
   args.hand_in_camera = camera_from_hand.translation().cast<float>();
   args.key_in_hand = Vec3(hand_from_world * kKeyDirection).cast<float>();
@@ -188,8 +198,7 @@ void Sensor::recordHand(Recorder& recorder, std::size_t camera, const Pose& worl
 
   const GpuCamera& gpu_camera = rig_.camera(camera);
   Canvas& canvas = canvases_.at({gpu_camera.width, gpu_camera.height});
-  render(recorder, canvas.pass(vec4(0, 0, 0, 0)),
-         {draw(mesh_pipeline_, args, static_cast<std::uint32_t>(indices_.count()))});
+  render(recorder, canvas.pass(vec4(0, 0, 0, 0)), {drawIndexed(mesh_pipeline_, args, indices_)});
   copyToBuffer(recorder, canvas.resolved, hand_.raw(), std::uint64_t(4) * gpu_camera.pixels_before);
 }
 
@@ -208,25 +217,37 @@ void Sensor::recordShadow(Recorder& recorder, const Pose& world_from_hand) {
   recorder.dispatch(shadow_kernel_, args, groupsFor(kShadowCells * kShadowCells, kSensorWorkgroup));
 }
 
-void Sensor::record(Recorder& recorder, const std::optional<Pose>& world_from_hand,
+void Sensor::record(Recorder& recorder, std::size_t camera, const std::optional<Pose>& world_from_hand,
                     const SensorFrame& frame) {
   if (world_from_hand) {
-    recordShadow(recorder, *world_from_hand);
-    for (std::size_t i = 0; i < rig_.cameraCount(); ++i) recordHand(recorder, i, *world_from_hand);
+    if (camera == 0) recordShadow(recorder, *world_from_hand);
+    recordHand(recorder, camera, *world_from_hand);
   }
   ComposeArgs args{};
   args.cameras = rig_.cameras();
   args.hand = hand_;
   args.backdrop = backdrop_;
   args.shadow = shadow_;
-  args.quantiles = quantiles_;
+  args.noise = noise_;
   args.pictures = pictures_;
+  args.camera = static_cast<std::uint32_t>(camera);
+  args.all_pixels = rig_.pixels();
   args.seed = frame.seed;
   args.frame = frame.frame;
   args.noise_sigma = static_cast<float>(frame.noise_sigma);
   args.brightness = static_cast<float>(frame.brightness);
+  const GpuCamera& size = rig_.camera(camera);
   recorder.dispatch(world_from_hand ? compose_hand_ : compose_empty_, args,
-                    groupsFor(groupsFor(rig_.maxPixels(), 4), kSensorWorkgroup), rig_.cameraCount());
+                    groupsFor((std::size_t(size.width) * size.height + 3) / 4, kSensorWorkgroup));
+}
+
+void Sensor::draw(Recorder& recorder, const std::optional<Pose>& world_from_hand, const SensorFrame& frame) {
+  for (std::size_t camera = 0; camera < rig_.cameraCount(); ++camera) {
+    recorder.begin();
+    recorder.stage("sensor");
+    record(recorder, camera, world_from_hand, frame);
+    recorder.submitAndWait();
+  }
 }
 
 std::span<const std::uint8_t> Sensor::picture(std::size_t camera) const {

@@ -26,8 +26,12 @@ class Sensor {
   /// curvature (a centimetre is). `rig` must outlive this. \throw Error when there is no triangle.
   Sensor(Gpu& gpu, const GpuRig& rig, const std::vector<TriangleMesh>& meshes);
 
-  /// Records one picture a camera; without a pose the workspace is empty.
-  void record(Recorder& recorder, const std::optional<Pose>& world_from_hand, const SensorFrame& frame);
+  /// Records a camera's picture; without a pose the workspace is empty. Camera 0 comes first: its part makes
+  /// the shadow for all.
+  void record(Recorder& recorder, std::size_t camera, const std::optional<Pose>& world_from_hand,
+              const SensorFrame& frame);
+  /// Draws all cameras' pictures, a submission each, so that a software device finds time for others'.
+  void draw(Recorder& recorder, const std::optional<Pose>& world_from_hand, const SensorFrame& frame);
 
   /// The pictures, BGR, in GpuRig's layout, in memory that the host sees.
   const Buffer<std::uint32_t>& pictures() const { return pictures_; }
@@ -53,7 +57,8 @@ class Sensor {
   Buffer<vec4> normals_;
   Buffer<std::uint32_t> indices_;
   Buffer<std::uint32_t> backdrop_;  ///< two words a pixel
-  Buffer<float> shadow_, quantiles_;
+  Buffer<float> shadow_;
+  Buffer<std::uint64_t> noise_;
   Buffer<std::uint32_t> hand_;  ///< RGBA of all cameras, one pixel a word
   Buffer<std::uint32_t> pictures_;
   double floor_z_ = 0, wall_radius_ = 0;  ///< metres, workspace frame

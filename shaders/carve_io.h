@@ -54,9 +54,6 @@ READ_POINTER(ReadHullSums, HullSums)
 
 const uint kHullSumWords = 8;  // kernels add words: of each number first the low one
 
-READ_POINTER(ReadUlongs, uint64_t)
-WRITE_POINTER(WriteUlongs, uint64_t)
-READ_WRITE_POINTER(ReadWriteUlongs, uint64_t)
 
 // Workgroup size, at most: a software device takes one subgroup, so that its threads can share few blocks evenly.
 const uint kCarveWorkgroup = 64;

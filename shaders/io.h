@@ -60,6 +60,8 @@ AIRCLAY_IO_BEGIN
 READ_POINTER(ReadUints, uint)
 WRITE_POINTER(WriteUints, uint)
 READ_WRITE_POINTER(ReadWriteUints, uint)
+READ_POINTER(ReadUlongs, uint64_t)
+WRITE_POINTER(WriteUlongs, uint64_t)
 READ_POINTER(ReadFloats, float)
 WRITE_POINTER(WriteFloats, float)
 READ_WRITE_POINTER(ReadWriteFloats, float)

@@ -8,6 +8,7 @@
 layout(push_constant, scalar) uniform Push { SensorMeshArgs args; };
 layout(location = 0) in vec3 place_in_hand;
 layout(location = 1) in vec4 normal_in_hand;
+layout(location = 2) in float blotch;  // 0 pale to 1 red
 layout(location = 0) out vec4 color;
 
 const vec3 kSkin = vec3(0.52, 0.25, 0.165);            // linear
@@ -22,9 +23,8 @@ void main() {
   const vec3 eye_in_hand = -args.hand_in_camera * args.camera_from_hand;  // the inverse rotation is the transpose
   const vec3 to_eye = normalize(eye_in_hand - place_in_hand);
 
-  const float blotch = fractalNoise(70 * place_in_hand, 3), fine = valueNoise(420 * place_in_hand);
-  vec3 albedo = kSkin * mix(vec3(1.06, 1.05, 1.05), vec3(0.96, 0.82, 0.80), smoothstep(0.3, 0.7, blotch));
-  albedo *= 0.96 + 0.08 * fine;
+  vec3 albedo = kSkin * mix(vec3(1.06, 1.05, 1.05), vec3(0.96, 0.82, 0.80), blotch);
+  albedo *= 0.96 + 0.08 * valueNoise(420 * place_in_hand);
 
   const vec3 key = max((dot(n, args.key_in_hand) + kBleed) / (1 + kBleed), 0);
   const vec3 around = mix(kGround, kSky, 0.5 + 0.5 * dot(n, args.up_in_hand));

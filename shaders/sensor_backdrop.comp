@@ -62,6 +62,6 @@ void main() {
   }
   const uvec3 steps = uvec3(clamp(color, 0, 1) * vec3(2047, 2047, 1023) + 0.5);
   const uint at = args.pixels_before + gl_GlobalInvocationID.x;
-  args.backdrop.at[2 * at] = steps.r | steps.g << 11 | steps.b << 22;
-  args.backdrop.at[2 * at + 1] = packUnorm2x16(clamp(shadow_at, 0, 1));
+  args.backdrop.at[at] = steps.r | steps.g << 11 | steps.b << 22;
+  args.backdrop.at[args.all_pixels + at] = packUnorm2x16(clamp(shadow_at, 0, 1));
 }

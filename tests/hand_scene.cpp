@@ -9,9 +9,7 @@ HandCameras::HandCameras(const Rig& rig, const std::vector<TriangleMesh>& meshes
     : rig_(testGpu(), rig), sensor_(testGpu(), rig_, meshes), recorder_(testGpu()) {}
 
 std::vector<Mask> HandCameras::masks(const Pose& world_from_hand) {
-  recorder_.begin();
-  sensor_.record(recorder_, world_from_hand, {});
-  recorder_.submitAndWait();
+  sensor_.draw(recorder_, world_from_hand, {});
   std::vector<Mask> masks;
   for (std::size_t c = 0; c < rig_.cameraCount(); ++c) {
     const Camera& camera = rig_.rig().cameras[c];

@@ -99,7 +99,7 @@ struct Studio {
   std::vector<std::uint8_t> take(const std::optional<Pose>& pose, const SensorFrame& frame = {}) {
     recorder.begin();
     recorder.stage("sensor");
-    sensor.record(recorder, pose, frame);
+    for (std::size_t i = 0; i < gpu_rig.cameraCount(); ++i) sensor.record(recorder, i, pose, frame);
     recorder.submitAndWait();
     EXPECT_TRUE(hazards(recorder.commands()).empty());
     std::vector<std::uint32_t> words = sensor.pictures().download();

@@ -39,6 +39,7 @@ const RequiredFeature kRequired[] = {
     {"dynamicRendering", [](Features& f) -> VkBool32& { return f.v13.dynamicRendering; }},
     {"maintenance4", [](Features& f) -> VkBool32& { return f.v13.maintenance4; }},
     {"shaderInt64", [](Features& f) -> VkBool32& { return f.core.features.shaderInt64; }},
+    {"shaderClipDistance", [](Features& f) -> VkBool32& { return f.core.features.shaderClipDistance; }},
     // the solve is in double precision: float normal equations lose 1e-5 at the condition numbers met here
     {"shaderFloat64", [](Features& f) -> VkBool32& { return f.core.features.shaderFloat64; }},
 };
