@@ -86,31 +86,17 @@ class KeyEvents {
 };
 
 void transition(VkCommandBuffer commands, VkImage image, VkImageLayout from, VkImageLayout to) {
-  VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
-  barrier.srcStageMask = barrier.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
-  barrier.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
-  barrier.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
-  barrier.oldLayout = from;
-  barrier.newLayout = to;
-  barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
-  barrier.image = image;
-  barrier.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
-  VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
-  dependency.imageMemoryBarrierCount = 1;
-  dependency.pImageMemoryBarriers = &barrier;
-  vkCmdPipelineBarrier2(commands, &dependency);
+  recordLayout(commands, image, VK_IMAGE_ASPECT_COLOR_BIT, from, to);
 }
 
+/// Where the window has just grown, the picture is that of the size before.
 void fillWith(VkCommandBuffer commands, Image& picture, VkImage image, VkExtent2D extent) {
   picture.transition(commands, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, true);
-  VkImageBlit region{};
+  VkImageCopy region{};
   region.srcSubresource = region.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-  region.srcOffsets[1] = {static_cast<int>(picture.width()), static_cast<int>(picture.height()), 1};
-  region.dstOffsets[1] = {static_cast<int>(extent.width), static_cast<int>(extent.height), 1};
-  const bool same = picture.width() == extent.width && picture.height() == extent.height;
-  vkCmdBlitImage(commands, picture.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, image,
-                 VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region,
-                 same ? VK_FILTER_NEAREST : VK_FILTER_LINEAR);
+  region.extent = {std::min(picture.width(), extent.width), std::min(picture.height(), extent.height), 1};
+  vkCmdCopyImage(commands, picture.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, image,
+                 VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
 }
 
 void lay(VkCommandBuffer commands, const Inset& inset, VkImage image, VkExtent2D extent) {
@@ -275,7 +261,7 @@ bool Window::begin() {
   return true;
 }
 
-void Window::present(Recorder& recorder, Image& picture, std::span<const Inset> insets) {
+void Window::draw(Recorder& recorder, Image& picture, std::span<const Inset> insets) {
   ImGui::Render();
   const Swapchain::Target target = *parts_->target;
   const VkExtent2D extent = parts_->swapchain->extent();
@@ -306,7 +292,10 @@ void Window::present(Recorder& recorder, Image& picture, std::span<const Inset> 
   VkSemaphoreSubmitInfo drawn = ready;
   drawn.semaphore = target.drawn;
   recorder.submit(&ready, &drawn);
-  if (!parts_->swapchain->show(target)) parts_->changed = true;
+}
+
+void Window::show() {
+  if (!parts_->swapchain->show(*parts_->target)) parts_->changed = true;
 }
 
 }  // namespace airclay

@@ -54,10 +54,12 @@ class Window {
 
   /// Begins a picture and its interface: ImGui calls may follow. False while there is nothing to draw on.
   bool begin();
-  /// Ends both: `picture` fills the window, `insets` lie on it, the interface over all. Submits what
-  /// `recorder` has, and returns without waiting for it. \pre begin() was true; the recorder's commands draw
-  /// `picture`
-  void present(Recorder& recorder, Image& picture, std::span<const Inset> insets);
+  /// Ends both: `picture` (ImageKind::kScreen) fills the window, `insets` lie on it, the interface over all.
+  /// Submits what `recorder` has, and returns without waiting for it. \pre begin() was true; the recorder's
+  /// commands draw `picture`
+  void draw(Recorder& recorder, Image& picture, std::span<const Inset> insets);
+  /// Shows what was drawn; a software device is waited for. \pre draw()
+  void show();
 
  private:
   struct Parts;
