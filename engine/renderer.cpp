@@ -72,14 +72,15 @@ Renderer::Renderer(Gpu& gpu, const RendererOptions& options) : gpu_(gpu), option
   if (options.readback) pixels_ = Buffer<std::uint32_t>(gpu, std::size_t(width) * height, Memory::kHost);
 
   // the lit square of ground, from -1 to 1; the cells' edge grows from the middle outwards
-  const auto place = [](std::uint32_t i) {
-    const float even = 2.0f * static_cast<float>(i) / (kGroundCells - 1) - 1;
+  const auto side = static_cast<std::uint32_t>(options.ground_vertices);
+  const auto place = [&](std::uint32_t i) {
+    const float even = 2.0f * static_cast<float>(i) / static_cast<float>(side - 1) - 1;
     return 0.4f * even + 0.6f * even * even * even;
   };
   std::vector<vec3> ground;
-  for (std::uint32_t y = 0; y < kGroundCells; ++y)
-    for (std::uint32_t x = 0; x < kGroundCells; ++x) ground.emplace_back(place(x), place(y), 0.0f);
-  ground_triangles_ = Buffer<std::uint32_t>(gpu, 6 * (kGroundCells - 1) * (kGroundCells - 1));
+  for (std::uint32_t y = 0; y < side; ++y)
+    for (std::uint32_t x = 0; x < side; ++x) ground.emplace_back(place(x), place(y), 0.0f);
+  ground_triangles_ = Buffer<std::uint32_t>(gpu, 6 * (side - 1) * (side - 1));
   ground_positions_ = Buffer<vec3>(gpu, ground);
   ground_normals_ = Buffer<vec3>(gpu, std::vector<vec3>(ground.size(), vec3(0, 0, 1)));
   ground_lights_ = Buffer<VertexLight>(gpu, ground.size());
@@ -303,9 +304,9 @@ void Renderer::recordLights(Recorder& recorder, const Scene& scene) {
   args.rotation *= kGroundHalf * static_cast<float>(scene.workspace.edge_m);
   args.translation.z() = static_cast<float>(*scene.ground_z_m);
   light(ground_positions_.count());
-  constexpr std::uint32_t kCells = (kGroundCells - 1) * (kGroundCells - 1);
-  recorder.dispatch(pipelines_->ground_cells, RenderGroundArgs{ground_lights_, ground_triangles_},
-                    groupsFor(kCells, kRenderWorkgroup));
+  const auto side = static_cast<std::uint32_t>(options_.ground_vertices);
+  recorder.dispatch(pipelines_->ground_cells, RenderGroundArgs{ground_lights_, ground_triangles_, side},
+                    groupsFor((side - 1) * (side - 1), kRenderWorkgroup));
 }
 
 void Renderer::addStrokes(std::vector<Draw>& draws, const Scene& scene, bool hidden) const {

@@ -197,6 +197,7 @@ struct RendererOptions {
   bool multisample = true;         ///< 4 samples a pixel: smooth edges
   int shadow_map = 1024;           ///< texels along an edge
   int shadow_taps = 64;            ///< of the soft shadow's kernel
+  int ground_vertices = 64;        ///< along an edge: the ground's light is found at these
   bool readback = true;            ///< pixels() is wanted; else a window copies picture()
 
   static constexpr int kMaxPicture = 4096;

@@ -56,6 +56,14 @@ GraphicsOptions depthOnly(const PictureKind& target) {
   return options;
 }
 
+/// Over depthOnly()'s depth: what looks away from the eye is hidden by it anyway.
+GraphicsOptions skinOptions(const PictureKind& target, bool fades) {
+  GraphicsOptions options = blended(target, fades ? 1 : 0);
+  options.cull = VK_CULL_MODE_BACK_BIT;
+  options.depth_write = false;
+  return options;
+}
+
 GraphicsOptions strokes(const PictureKind& target, bool dots, bool hidden) {
   GraphicsOptions options = blended(target, dots ? 1 : 0);
   options.depth_test = !hidden;
@@ -82,8 +90,8 @@ Renderer::Pipelines::Pipelines(Gpu& gpu, const PictureKind& target)
       shadow_mesh(gpu, "shadow of meshes", {render_depth_vert, {}}, shadow()),
       clay(gpu, "clay", {render_mesh_vert, render_clay_frag}, solid(target)),
       hand_depth(gpu, "hand's depth", {render_depth_vert, {}}, depthOnly(target)),
-      skin(gpu, "hand", {render_mesh_vert, render_skin_frag}, blended(target, 0)),
-      forearm(gpu, "forearm", {render_mesh_vert, render_skin_frag}, blended(target, 1)),
+      skin(gpu, "hand", {render_mesh_vert, render_skin_frag}, skinOptions(target, false)),
+      forearm(gpu, "forearm", {render_mesh_vert, render_skin_frag}, skinOptions(target, true)),
       shadow_capsules(gpu, "shadow of capsules", {render_capsules_vert, {}}, shadow()),
       capsules(gpu, "capsules", {render_capsules_vert, render_capsules_frag}, solid(target)),
       shadow_voxels(gpu, "shadow of voxels", {render_voxels_vert, {}}, shadow()),

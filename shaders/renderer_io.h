@@ -12,9 +12,7 @@ AIRCLAY_IO_BEGIN
 
 const uint kRenderWorkgroup = 64;
 
-// Vertices along each side of the square of ground that is lit; it reaches kGroundHalf workspace edges to each side. They
-// stand closer towards its middle.
-const uint kGroundCells = 64;
+// The square of ground that is lit reaches so many workspace edges to each side. Its vertices stand closer towards its middle.
 const float kGroundHalf = 1.6f;
 
 // How much surface stands where: a pyramid of cubes around the workspace, kDensityCells along an edge and then half and a
@@ -92,6 +90,7 @@ struct RenderLightArgs {
 struct RenderGroundArgs {
   ReadVertexLights lights;
   WriteUints triangles;    // six indices a cell, all 0 where there is no shade to be seen
+  uint side;               // vertices along the square's
 };
 
 // render_depth.vert; render_mesh.vert with render_clay.frag or render_skin.frag. Light is reckoned in the mesh's own frame.

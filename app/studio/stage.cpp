@@ -14,7 +14,7 @@ namespace {
 constexpr double kFarthestGap = 0.15;
 /// What a software device can draw at the cameras' pace: a triangle costs it as much as a hundred pixels.
 constexpr DisplayDetail kMovingDetail = {.finer_points = 3'000, .coarser_points = 30'000};
-constexpr int kMovingTaps = 8, kMovingShadowMap = 320;
+constexpr int kMovingTaps = 8, kMovingShadowMap = 320, kMovingGround = 40;
 
 }  // namespace
 
@@ -57,6 +57,7 @@ Renderer& Stage::rendererFor(int width, int height, bool moving) {
   if (software && moving) {
     options.shadow_taps = kMovingTaps;
     options.shadow_map = kMovingShadowMap;
+    options.ground_vertices = kMovingGround;
   }
   options.readback = false;
   std::unique_ptr<Renderer>& renderer = renderers_[software && moving];
