@@ -369,9 +369,11 @@ void Renderer::recordBackdrop(Recorder& recorder, const Scene& scene) {
 
 void Renderer::recordPicture(Recorder& recorder, const Scene& scene) {
   std::vector<Draw> draws;
-  for (const LitMesh& mesh : lit_meshes_)
-    if (!mesh.is_hand)
-      draws.push_back(drawIndexed(pipelines_->clay, meshArgs(mesh, false), *mesh.surface.triangles));
+  // what faces the eye first: it hides most of an open sheet's other side, which then costs nothing
+  for (const auto* side : {&pipelines_->clay, &pipelines_->clay_inside})
+    for (const LitMesh& mesh : lit_meshes_)
+      if (!mesh.is_hand && (mesh.open || side == &pipelines_->clay))
+        draws.push_back(drawIndexed(*side, meshArgs(mesh, false), *mesh.surface.triangles));
   if (scene.voxels)
     draws.push_back(drawCounted(pipelines_->voxels, voxelArgs(scene, false), voxels_->counts.raw()));
   if (!scene.capsules.empty())

@@ -33,6 +33,13 @@ GraphicsOptions solid(const PictureKind& target) {
   return options;
 }
 
+/// Only what faces the eye, or only what looks away.
+GraphicsOptions oneSide(const PictureKind& target, VkCullModeFlags culled) {
+  GraphicsOptions options = solid(target);
+  options.cull = culled;
+  return options;
+}
+
 /// A depth map seen from the light.
 GraphicsOptions shadow() {
   GraphicsOptions options;
@@ -88,7 +95,9 @@ Renderer::Pipelines::Pipelines(Gpu& gpu, const PictureKind& target)
       list_voxels(gpu, "render_voxel_list", render_voxel_list_comp, {kRenderWorkgroup, 1}),
       scan_voxels(gpu, "render_voxel_scan", render_voxel_scan_comp),
       shadow_mesh(gpu, "shadow of meshes", {render_depth_vert, {}}, shadow()),
-      clay(gpu, "clay", {render_mesh_vert, render_clay_frag}, solid(target)),
+      clay(gpu, "clay", {render_mesh_vert, render_clay_frag}, oneSide(target, VK_CULL_MODE_BACK_BIT)),
+      clay_inside(gpu, "clay's inside", {render_mesh_vert, render_clay_frag},
+                  oneSide(target, VK_CULL_MODE_FRONT_BIT)),
       hand_depth(gpu, "hand's depth", {render_depth_vert, {}}, depthOnly(target)),
       skin(gpu, "hand", {render_mesh_vert, render_skin_frag}, skinOptions(target, false)),
       forearm(gpu, "forearm", {render_mesh_vert, render_skin_frag}, skinOptions(target, true)),

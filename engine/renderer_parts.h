@@ -22,7 +22,7 @@ struct Renderer::Pipelines {
   Kernel<RenderGroundArgs> ground_cells;
   Kernel<VoxelListArgs> count_voxels, list_voxels;
   Kernel<VoxelScanArgs> scan_voxels;
-  GraphicsPipeline<RenderMeshArgs> shadow_mesh, clay, hand_depth, skin, forearm;
+  GraphicsPipeline<RenderMeshArgs> shadow_mesh, clay, clay_inside, hand_depth, skin, forearm;
   GraphicsPipeline<RenderCapsuleArgs> shadow_capsules, capsules;
   GraphicsPipeline<RenderVoxelArgs> shadow_voxels, voxels;
   GraphicsPipeline<RenderBackdropArgs> ground, backdrop;

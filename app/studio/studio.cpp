@@ -107,19 +107,14 @@ class Studio {
   bool moving() const { return secondsBetween(last_change_, Clock::now()) < kMovingSeconds; }
 
   void drawPicture(const Snapshot& snapshot) {
-    if (!window_.begin()) {
+    const Window::Begun begun = window_.begin(framesFlow());
+    if (begun == Window::Begun::kNothing) {
       session_.pictureSubmitted(snapshot.serial);
       std::this_thread::sleep_for(std::chrono::milliseconds(20));  // minimised
       return;
     }
-    const double step_s = std::min(secondsBetween(last_picture_, Clock::now()), 0.1);
+    if (begun == Window::Begun::kInterface) drawInterface(snapshot);
     last_picture_ = Clock::now();
-    takeInput(step_s);
-    const PanelWishes wishes = panels_.draw(snapshot, stage_, meter_);
-    grant(wishes);
-    chooser_.draw();
-    if (show_help_) show_help_ = drawHelp(keys_);
-    drawNotes();
     session_.withClay([&](const Session::ClayOnDevice& clay) {
       recorder_.begin();
       stage_.record(recorder_, clay, snapshot, settings_,
@@ -136,6 +131,15 @@ class Studio {
       last_change_ = last_frame_ = Clock::now();
     drawn_serial_ = snapshot.serial;
     meter_.shown(latency_ms);
+  }
+
+  void drawInterface(const Snapshot& snapshot) {
+    takeInput(std::min(secondsBetween(last_picture_, Clock::now()), 0.1));
+    const PanelWishes wishes = panels_.draw(snapshot, stage_, meter_);
+    grant(wishes);
+    chooser_.draw();
+    if (show_help_) show_help_ = drawHelp(keys_);
+    drawNotes();
   }
 
   // --- input ---
