@@ -219,6 +219,7 @@ void Renderer::recordDensities(Recorder& recorder, const Scene& scene) {
     args.translation = place.translation;
     args.triangle_count = static_cast<std::uint32_t>(mesh.surface.triangles->count() / 3);
     args.edge_m = static_cast<float>(scene.workspace.edge_m);
+    args.weight = static_cast<float>(mesh.opacity);
     recorder.dispatch(pipelines_->density, args, groupsFor(args.triangle_count, kRenderWorkgroup));
   }
   constexpr std::uint32_t kCoarsest = kDensityCells / 4;

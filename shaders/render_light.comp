@@ -15,9 +15,8 @@ const float kSearchM = 0.045;        // how far to the side what casts a shadow 
 const float kLeastBlurM = 0.004;     // finer than a vertex spacing of the clay would flicker
 const float kContactM = 0.010;       // the contact shadow fades to 1/e over this gap
 const float kContactDepth = 0.55;
-const float kThroughM = 0.02;         // so near the hand, its own shade is capped, or it would hide what is being shaped:
-const float kThroughSkin = 0.35;      // at least this share of the key light comes through the skin,
-const float kThroughOpen = 0.45;      // and of the light all around
+const float kThroughSkin = 0.4;       // of the key light: so much comes through the hand, or its shadow would hide what it shapes,
+const float kThroughM = 0.05;         // to 1/e over this distance
 const float kConeCells = 1.6;        // farther out than a flat surface's own cells reach
 const float kConeStrength = 0.75;
 const float kReach = 0.4;             // cosine; no material wraps light farther (render_studio.glsl)
@@ -145,9 +144,9 @@ void main() {
     const float faces_hand = -dot(n, hand.yzw);
     const vec2 sees = smoothstep(vec2(-0.4), vec2(0.6), vec2(faces_hand, -faces_hand));
     const vec2 contact = 1 - kContactDepth * exp(-max(hand.x, 0) / kContactM) * sees;
-    const float through = exp(-max(hand.x, 0) / kThroughM);
-    open = max(open * contact, kThroughOpen * through);
-    arrives = max(arrives * (faces_key ? contact.x : contact.y), kThroughSkin * through);
+    open *= contact;
+    arrives *= faces_key ? contact.x : contact.y;
+    if (reached) arrives = max(arrives, kThroughSkin * exp(-max(hand.x, 0) / kThroughM));
     if (args.shows_touch == 1) hand_m = hand.x;
   }
   args.lights.at[vertex] = VertexLight(arrives, open.x, open.y, n.z, hand_m);

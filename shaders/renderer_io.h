@@ -61,6 +61,7 @@ struct RenderDensityArgs {
   vec3 translation;
   uint triangle_count;
   float edge_m;
+  float weight;       // of its area: less than 1 where light comes through
 };
 
 // render_density_levels.comp: the pyramid from the finest cells. An invocation one of the coarsest cells.
