@@ -175,7 +175,7 @@ vec3 fromScreen(int red, int green, int blue) {
 }
 
 vec3 clayColor() {
-  return fromScreen(178, 146, 131);
+  return fromScreen(170, 150, 137);
 }
 vec3 skinColor() {
   return fromScreen(208, 152, 128);

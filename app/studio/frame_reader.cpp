@@ -78,6 +78,12 @@ void FrameReader::read(FrameSet& set) {
   set.decode_ms = std::chrono::duration<double, std::milli>(Clock::now() - set.captured_at).count();
 }
 
+void FrameReader::ask() {
+  const std::lock_guard lock(mutex_);
+  asked_ = true;
+  changed_.notify_all();
+}
+
 bool FrameReader::take(FrameSet& set, double wait_s) {
   std::unique_lock lock(mutex_);
   asked_ = true;

@@ -33,6 +33,8 @@ class FrameReader {
   explicit FrameReader(Recording& recording);
   ~FrameReader();
 
+  /// The next one will be taken soon: it is read now, or when it is due.
+  void ask();
   /// Exchanges `set` with the next one; false when there is none within `wait_s`. \throw what reading threw
   bool take(FrameSet& set, double wait_s);
   /// Whether all frames have been taken.

@@ -16,6 +16,8 @@ namespace {
 // Half of what the tracker still believes: there the pose may be off by a centimetre.
 constexpr double kDoubtfulShare = 0.35, kDoubtfulMetres = 0.0012;
 constexpr double kMouseFrameS = 1.0 / 30;
+/// Where it is the CPU that draws, small pictures need not be newer; the interface around them is not either.
+constexpr auto kThumbnailsStay = std::chrono::milliseconds(90);
 /// As many data points are enough to say where the clay is.
 constexpr std::size_t kClayPoints = 2000;
 /// A window that draws nothing for so long is minimised, or busy with something else.
@@ -339,12 +341,17 @@ bool Session::frameFromRecording() {
     else
       next.result = pipeline_.trackPictures();
   }
+  reader_->ask();  // what is left of this frame keeps one core busy
   if (!next.learning) {
     next.trust = trustIn(next.result);
     sculpt(next, set_.frame > 0 && last_frame_s_ >= 0 ? next.time_s - last_frame_s_ : 1 / recording.rateHz());
   }
   last_frame_s_ = next.time_s;
-  drawThumbnails(set_);
+  const auto now = Clock::now();
+  if (!gpu_.isCpu() || now - thumbnails_at_ > kThumbnailsStay) {
+    drawThumbnails(set_);
+    thumbnails_at_ = now;
+  }
   if (options_.on_frame) {
     const PlayedFrame played{next.frame, next.time_s, next.learning, next.decode_ms, next.result};
     options_.on_frame(pipeline_, &played);

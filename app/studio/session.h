@@ -174,6 +174,7 @@ class Session {
   Buffer<std::uint32_t> thumbnails_;
   std::vector<std::size_t> thumbnail_starts_;
   std::deque<Clock::time_point> frame_times_;
+  Clock::time_point thumbnails_at_{};
   double last_frame_s_ = -1;
   bool background_learned_ = false, turning_ = false;
   std::uint64_t serial_ = 0, clay_serial_ = 0;
