@@ -14,7 +14,27 @@ namespace {
 constexpr double kFarthestGap = 0.15;
 /// What a software device can draw at the cameras' pace: a triangle costs it as much as a hundred pixels.
 constexpr DisplayDetail kMovingDetail = {.finer_points = 3'000, .coarser_points = 30'000};
+/// More cannot be told apart, and would hold up the first picture of a movement.
+constexpr DisplayDetail kRestingDetail = {.coarser_points = 150'000};
 constexpr int kMovingTaps = 8, kMovingShadowMap = 320, kMovingGround = 40;
+
+/// All that a picture depends on.
+std::vector<double> keyOf(const Session::ClayOnDevice& clay, const Snapshot& snapshot,
+                          const StudioSettings& settings, const StagePicture& wanted) {
+  std::vector<double> key = {
+      double(wanted.width),           double(wanted.height),         double(wanted.moving),
+      double(clay.form_serial),       double(snapshot.clay_serial),  double(snapshot.trust),
+      double(settings.show_voxels),   double(settings.show_cage),    double(settings.show_points),
+      double(settings.show_skeleton), double(settings.show_cameras), wanted.view.vertical_fov_rad};
+  if (settings.show_voxels) key.push_back(double(snapshot.serial));
+  const auto add = [&](const Pose& pose) {
+    const Eigen::Matrix4d matrix = pose.matrix();
+    key.insert(key.end(), matrix.data(), matrix.data() + matrix.size());
+  };
+  add(wanted.view.camera_from_workspace);
+  if (snapshot.world_from_hand) add(*snapshot.world_from_hand);
+  return key;
+}
 
 }  // namespace
 
@@ -73,7 +93,9 @@ SurfaceBuffers Stage::recordSurface(Recorder& recorder, const Session::ClayOnDev
   DrawnClay& drawn = clays_[coarse];
   if (drawn.form_serial != clay.form_serial) {
     drawn.surface = std::make_unique<DisplaySurface>(gpu_, clay.form.cage, clay.form.rule, clay.form.levels,
-                                                     coarse ? kMovingDetail : DisplayDetail{});
+                                                     coarse         ? kMovingDetail
+                                                     : gpu_.isCpu() ? kRestingDetail
+                                                                    : DisplayDetail{});
     drawn.form_serial = clay.form_serial;
     drawn.clay_serial = 0;
   }
@@ -84,18 +106,29 @@ SurfaceBuffers Stage::recordSurface(Recorder& recorder, const Session::ClayOnDev
 
 void Stage::record(Recorder& recorder, const Session::ClayOnDevice& clay, const Snapshot& snapshot,
                    const StudioSettings& settings, const StagePicture& wanted) {
-  drawn_ = &rendererFor(wanted.width, wanted.height, wanted.moving);
-  const Workspace& workspace = session_.rig().workspace;
   std::optional<Pose> workspace_from_hand;
   if (snapshot.world_from_hand)
-    workspace_from_hand = workspaceFromWorld(workspace) * *snapshot.world_from_hand;
+    workspace_from_hand = workspaceFromWorld(session_.rig().workspace) * *snapshot.world_from_hand;
   measure(snapshot, workspace_from_hand);
 
+  Renderer& renderer = rendererFor(wanted.width, wanted.height, wanted.moving);
+  std::vector<double> key = keyOf(clay, snapshot, settings, wanted);
+  if (&renderer == drawn_ && key == drawn_key_) return;
+  drawn_ = &renderer;
+  drawn_key_ = std::move(key);
   recorder.stage("picture: surface");
+  const SurfaceBuffers surface = recordSurface(recorder, clay, snapshot.clay_serial, wanted.moving);
+  Scene scene = sceneOf(clay, snapshot, settings, workspace_from_hand);
+  scene.meshes.push_back({.surface = surface});
+  drawn_->record(recorder, scene, wanted.view);
+}
+
+Scene Stage::sceneOf(const Session::ClayOnDevice& clay, const Snapshot& snapshot,
+                     const StudioSettings& settings, const std::optional<Pose>& workspace_from_hand) {
+  const Workspace& workspace = session_.rig().workspace;
   Scene scene;
   scene.workspace = workspace;
   scene.ground_z_m = ground_z_m_;
-  scene.meshes.push_back({.surface = recordSurface(recorder, clay, snapshot.clay_serial, wanted.moving)});
   if (workspace_from_hand) {
     scene.hand = hand_.at(*workspace_from_hand);
     if (snapshot.trust != HandTrust::kTracking) scene.hand->opacity *= 0.5;
@@ -125,7 +158,7 @@ void Stage::record(Recorder& recorder, const Session::ClayOnDevice& clay, const 
   }
   if (settings.show_skeleton && workspace_from_hand)
     scene.capsules = skeletonCapsules(session_.hand(), *workspace_from_hand);
-  drawn_->record(recorder, scene, wanted.view);
+  return scene;
 }
 
 std::vector<std::pair<Vec2, Vec2>> Stage::outline(std::size_t camera, const Pose& world_from_hand) const {

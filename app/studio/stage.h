@@ -22,8 +22,8 @@ class Stage {
  public:
   Stage(Gpu& gpu, const Session& session, const std::optional<TriangleMesh>& forearm);
 
-  /// Records the picture of `snapshot`; it is in picture() when the work is done. The clay may not change its
-  /// form until that is submitted. \pre the work recorded before is done
+  /// Records the picture of `snapshot`, unless the last one is like it; it is in picture() when the work is
+  /// done. The clay may not change its form until that is submitted. \pre the work recorded before is done
   void record(Recorder& recorder, const Session::ClayOnDevice& clay, const Snapshot& snapshot,
               const StudioSettings& settings, const StagePicture& wanted);
   /// The last one.
@@ -39,6 +39,8 @@ class Stage {
   std::vector<std::pair<Vec2, Vec2>> outline(std::size_t camera, const Pose& world_from_hand) const;
 
  private:
+  Scene sceneOf(const Session::ClayOnDevice& clay, const Snapshot& snapshot, const StudioSettings& settings,
+                const std::optional<Pose>& workspace_from_hand);
   Renderer& rendererFor(int width, int height, bool moving);
   void measure(const Snapshot& snapshot, const std::optional<Pose>& workspace_from_hand);
   SurfaceBuffers recordSurface(Recorder& recorder, const Session::ClayOnDevice& clay,
@@ -55,6 +57,7 @@ class Stage {
   std::vector<SkinEdge> skin_edges_;
   std::array<std::unique_ptr<Renderer>, 2> renderers_;  ///< for what rests, and for what moves
   Renderer* drawn_ = nullptr;                           ///< the one of the last picture
+  std::vector<double> drawn_key_;                       ///< all that the last picture depends on
   /// The clay as it is drawn, and of what clay it was evaluated last.
   struct DrawnClay {
     std::unique_ptr<DisplaySurface> surface;

@@ -70,7 +70,8 @@ class Studio {
       if (session_.pipelineFailed()) break;
       window_.poll(secondsToPicture(session_.snapshot()));
       const Snapshot snapshot = session_.snapshot();  // a new frame may have ended the wait
-      if (framesFlow() && secondsToPicture(snapshot) > 0 && !window_.closing()) continue;
+      const bool waits = framesFlow() || !window_.inUse();
+      if (waits && secondsToPicture(snapshot) > 0 && !window_.closing()) continue;
       for (const std::filesystem::path& file : window_.takeDropped()) openDropped(file);
       drawPicture(snapshot);
       writeLog(snapshot);

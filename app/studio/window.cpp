@@ -248,8 +248,9 @@ struct Window::Parts {
     glfwSetCharCallback(window, [](GLFWwindow* w, unsigned) { of(w).used = true; });
     glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int, int action, int) { of(w).use(action); });
   }
+  bool inUse() const { return used || held > 0 || keys.waiting(); }
   bool interfaceStays() const {
-    return gpu.isCpu() && kept.handle() && !used && held == 0 && !keys.waiting() &&
+    return gpu.isCpu() && kept.handle() && !inUse() &&
            std::chrono::steady_clock::now() - interface_at < kInterfaceStays;
   }
 
@@ -297,6 +298,10 @@ void Window::poll(double wait_s) {
     glfwWaitEventsTimeout(wait_s);
   else
     glfwPollEvents();
+}
+
+bool Window::inUse() const {
+  return parts_->inUse();
 }
 
 bool Window::closing() const {

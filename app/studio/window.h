@@ -43,6 +43,8 @@ class Window {
 
   /// Handles what has happened, waiting for it for up to `wait_s`.
   void poll(double wait_s);
+  /// Whether the mouse or the keyboard has done something that no interface has seen yet, or a key is down.
+  bool inUse() const;
   /// The user wants it closed.
   bool closing() const;
   void close();
