@@ -360,6 +360,45 @@ TEST(Renderer, TheDisplaySurfaceIsTheSubdivisionOfTheCageFurtherOn) {
   EXPECT_EQ(coarse.surface().positions->count(), 364u);
 }
 
+TEST(Renderer, ACoarserDisplaySurfaceIsASubdivisionOfFewerSteps) {
+  const PolygonMesh cage = presetCage("tube");  // 28, 98, 364, 1400 points
+  DisplayDetail detail;
+  detail.coarser_points = 500;
+  const DisplaySurface coarse(testGpu(), cage, SubdivisionRule::kCatmullClark, 3, detail);
+  EXPECT_EQ(coarse.surface().positions->count(), 364u);
+  detail.coarser_points = 20;  // one step is the least
+  const DisplaySurface coarsest(testGpu(), cage, SubdivisionRule::kCatmullClark, 3, detail);
+  EXPECT_EQ(coarsest.surface().positions->count(), 98u);
+}
+
+TEST(Renderer, TheBackdropIsTheSameDrawnOrCopied) {
+  // with samples it is drawn in each picture, without them once and then copied
+  Painting drawn({.width = kWidth, .height = kHeight, .multisample = true}), copied;
+  for (const int grey : {236, 236, 120}) {
+    Scene scene;
+    scene.backdrop_top = fromScreen(grey, 233, 228);
+    EXPECT_EQ(differing(drawn.paint(scene, fromTheFront(1)).pixels(),
+                        copied.paint(scene, fromTheFront(1)).pixels()),
+              0);
+  }
+}
+
+TEST(Renderer, GroundIsSeenWhereAShadowLiesOnIt) {
+  const DrawnMesh ball(testGpu(), sphere(Vec3(0, 0, 0.05), 0.05));
+  const auto picture = [&](bool has_ground, bool has_ball) {
+    Scene scene;
+    if (has_ground) scene.ground_z_m = -0.1;
+    if (has_ball) scene.meshes.push_back(solid(ball));
+    Painting painting;
+    return painting.paint(scene, lookAt(Vec3(0, -0.9, 0.5), Vec3::Zero())).pixels();
+  };
+  EXPECT_EQ(differing(picture(true, false), picture(false, false)), 0);  // all light: the backdrop itself
+  // the key light's shadow of the ball: a disc of 5 cm at 0.9 m or more covers some hundred pixels at least
+  const int shaded = differing(picture(true, true), picture(false, true));
+  EXPECT_GT(shaded, 300);
+  EXPECT_LT(shaded, kWidth * kHeight / 2);
+}
+
 TEST(Renderer, PicturesOfAnImpossibleSizeAreRefused) {
   EXPECT_THROW(Renderer(testGpu(), {.width = 0, .height = 10}), Error);
   EXPECT_THROW(Renderer(testGpu(), {.width = 10, .height = 5000}), Error);
