@@ -307,7 +307,7 @@ Picture deformation(Gpu& gpu, const HandModel& hand, int voxels, const std::func
   const ClayOptions clay{presetCage("tube")};
   Pipeline pipeline(gpu, recording.rig(), hand, {voxels}, clay);
   Player player(recording, pipeline);
-  DisplaySurface surface(gpu, clay.cage, clay.rule, clay.levels, 200'000);
+  DisplaySurface surface(gpu, clay.cage, clay.rule, clay.levels, {.finer_points = 200'000});
   const DrawnHand drawn(gpu, hand, builtInForearm(false));
   double low_z_m = 0;
   for (const Vec3& point : pipeline.clay().surface().points) low_z_m = std::min(low_z_m, point.z());

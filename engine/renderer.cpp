@@ -61,33 +61,29 @@ Renderer::Renderer(Gpu& gpu, const RendererOptions& options) : gpu_(gpu), option
              height = static_cast<std::uint32_t>(options.height);
   const auto shadow = static_cast<std::uint32_t>(options.shadow_map);
   const std::uint32_t samples = options.multisample ? kSamples : 1;
-  pipelines_ = std::make_unique<Pipelines>(gpu, samples);
-  color_ = Image(gpu, ImageKind::kColor, width, height, samples);
+  const ImageKind kind = options.readback ? ImageKind::kColor : ImageKind::kScreen;
+  pipelines_ = std::make_unique<Pipelines>(gpu, PictureKind{kind, samples});
+  color_ = Image(gpu, kind, width, height, samples);
   depth_ = Image(gpu, ImageKind::kDepth, width, height, samples);
-  if (options.multisample) resolved_ = Image(gpu, ImageKind::kColor, width, height);
+  (options.multisample ? resolved_ : backdrop_) = Image(gpu, kind, width, height);
   shadow_image_ = Image(gpu, ImageKind::kDepth, shadow, shadow);
   shadow_map_ = Buffer<float>(gpu, std::size_t(shadow) * shadow);
   frame_ = Buffer<RenderFrame>(gpu, 1, Memory::kHost);
   if (options.readback) pixels_ = Buffer<std::uint32_t>(gpu, std::size_t(width) * height, Memory::kHost);
 
   // the lit square of ground, from -1 to 1; the cells' edge grows from the middle outwards
-  const auto place = [](std::uint32_t i) {
-    const float even = 2.0f * static_cast<float>(i) / (kGroundCells - 1) - 1;
+  const auto side = static_cast<std::uint32_t>(options.ground_vertices);
+  const auto place = [&](std::uint32_t i) {
+    const float even = 2.0f * static_cast<float>(i) / static_cast<float>(side - 1) - 1;
     return 0.4f * even + 0.6f * even * even * even;
   };
   std::vector<vec3> ground;
-  std::vector<std::uint32_t> triangles;
-  for (std::uint32_t y = 0; y < kGroundCells; ++y)
-    for (std::uint32_t x = 0; x < kGroundCells; ++x) {
-      ground.emplace_back(place(x), place(y), 0.0f);
-      if (x + 1 == kGroundCells || y + 1 == kGroundCells) continue;
-      const std::uint32_t low = x + kGroundCells * y, high = low + kGroundCells;
-      triangles.insert(triangles.end(), {low, low + 1, high + 1, low, high + 1, high});
-    }
-  ground_triangles_ = Buffer<std::uint32_t>(gpu, triangles);
+  for (std::uint32_t y = 0; y < side; ++y)
+    for (std::uint32_t x = 0; x < side; ++x) ground.emplace_back(place(x), place(y), 0.0f);
+  ground_triangles_ = Buffer<std::uint32_t>(gpu, 6 * (side - 1) * (side - 1));
   ground_positions_ = Buffer<vec3>(gpu, ground);
   ground_normals_ = Buffer<vec3>(gpu, std::vector<vec3>(ground.size(), vec3(0, 0, 1)));
-  ground_lights_ = Buffer<vec4>(gpu, ground.size());
+  ground_lights_ = Buffer<VertexLight>(gpu, ground.size());
   areas_ = Buffer<std::uint32_t>(gpu, kDensityCells * kDensityCells * kDensityCells);
   densities_ = Buffer<float>(gpu, kDensityTotal);
 }
@@ -117,23 +113,25 @@ void Renderer::record(Recorder& recorder, const Scene& scene, const View& view) 
 
 void Renderer::prepare(const Scene& scene) {
   lit_meshes_.clear();
-  const auto add = [&](const SurfaceBuffers& surface, const Pose& workspace_from_mesh,
-                       bool open) -> LitMesh& {
+  const auto add = [&](const SurfaceBuffers& surface, const Pose& workspace_from_mesh) -> LitMesh& {
     if (!surface.positions || !surface.normals || !surface.triangles)
       throw Error("a surface to draw lacks its positions, normals or triangles", Fault::kDevice);
     LitMesh mesh;
     mesh.surface = surface;
     mesh.workspace_from_mesh = workspace_from_mesh;
-    mesh.open = open;
     return lit_meshes_.emplace_back(mesh);
   };
-  for (const SceneMesh& mesh : scene.meshes)
-    add(mesh.surface, mesh.workspace_from_mesh, mesh.open).albedo = mesh.albedo;
+  for (const SceneMesh& mesh : scene.meshes) {
+    LitMesh& lit = add(mesh.surface, mesh.workspace_from_mesh);
+    lit.albedo = mesh.albedo;
+    lit.open = mesh.open;
+    lit.shows_touch = mesh.shows_touch;
+  }
   if (scene.hand) {
     // the forearm first: where both lie, the hand's skin is seen
     for (const DrawnMesh* part : {scene.hand->forearm, scene.hand->skin}) {
       if (!part) continue;
-      LitMesh& mesh = add(part->surface(), scene.hand->workspace_from_hand, false);
+      LitMesh& mesh = add(part->surface(), scene.hand->workspace_from_hand);
       mesh.albedo = scene.hand->albedo;
       mesh.opacity = scene.hand->opacity;
       mesh.is_hand = true;
@@ -221,6 +219,7 @@ void Renderer::recordDensities(Recorder& recorder, const Scene& scene) {
     args.translation = place.translation;
     args.triangle_count = static_cast<std::uint32_t>(mesh.surface.triangles->count() / 3);
     args.edge_m = static_cast<float>(scene.workspace.edge_m);
+    args.weight = static_cast<float>(mesh.opacity);
     recorder.dispatch(pipelines_->density, args, groupsFor(args.triangle_count, kRenderWorkgroup));
   }
   constexpr std::uint32_t kCoarsest = kDensityCells / 4;
@@ -281,10 +280,11 @@ void Renderer::recordLights(Recorder& recorder, const Scene& scene) {
     args.rotation = place.rotation;
     args.translation = place.translation;
     args.two_sided = mesh.open;
+    args.shows_touch = mesh.shows_touch;
     light(mesh.surface.positions->count());
   }
   args.hand_grid = {};
-  args.two_sided = 0;
+  args.two_sided = args.shows_touch = 0;
   args.rotation = mat3::Identity();
   args.translation = vec3::Zero();
   if (scene.voxels) {
@@ -305,6 +305,9 @@ void Renderer::recordLights(Recorder& recorder, const Scene& scene) {
   args.rotation *= kGroundHalf * static_cast<float>(scene.workspace.edge_m);
   args.translation.z() = static_cast<float>(*scene.ground_z_m);
   light(ground_positions_.count());
+  const auto side = static_cast<std::uint32_t>(options_.ground_vertices);
+  recorder.dispatch(pipelines_->ground_cells, RenderGroundArgs{ground_lights_, ground_triangles_, side},
+                    groupsFor((side - 1) * (side - 1), kRenderWorkgroup));
 }
 
 void Renderer::addStrokes(std::vector<Draw>& draws, const Scene& scene, bool hidden) const {
@@ -352,11 +355,26 @@ RenderBackdropArgs Renderer::backdropArgs(const Scene& scene) const {
   return args;
 }
 
+/// Into color_, before all else. It depends on nothing but its colours, so it is drawn once and then copied:
+/// on a software device that takes a tenth of the time.
+void Renderer::recordBackdrop(Recorder& recorder, const Scene& scene) {
+  if (scene.backdrop_top != backdrop_top_ || scene.backdrop_bottom != backdrop_bottom_) {
+    const RenderPass pass{
+        .color = &backdrop_, .depth = &depth_, .clear_color = vec4(0, 0, 0, 1), .clear_depth = 1.0f};
+    render(recorder, pass, {draw(pipelines_->backdrop, backdropArgs(scene), 3)});
+    backdrop_top_ = scene.backdrop_top;
+    backdrop_bottom_ = scene.backdrop_bottom;
+  }
+  copyImage(recorder, backdrop_, color_);
+}
+
 void Renderer::recordPicture(Recorder& recorder, const Scene& scene) {
   std::vector<Draw> draws;
-  for (const LitMesh& mesh : lit_meshes_)
-    if (!mesh.is_hand)
-      draws.push_back(drawIndexed(pipelines_->clay, meshArgs(mesh, false), *mesh.surface.triangles));
+  // what faces the eye first: it hides most of an open sheet's other side, which then costs nothing
+  for (const auto* side : {&pipelines_->clay, &pipelines_->clay_inside})
+    for (const LitMesh& mesh : lit_meshes_)
+      if (!mesh.is_hand && (mesh.open || side == &pipelines_->clay))
+        draws.push_back(drawIndexed(*side, meshArgs(mesh, false), *mesh.surface.triangles));
   if (scene.voxels)
     draws.push_back(drawCounted(pipelines_->voxels, voxelArgs(scene, false), voxels_->counts.raw()));
   if (!scene.capsules.empty())
@@ -364,7 +382,7 @@ void Renderer::recordPicture(Recorder& recorder, const Scene& scene) {
                          static_cast<std::uint32_t>(scene.capsules.size())));
   if (scene.ground_z_m)
     draws.push_back(drawIndexed(pipelines_->ground, backdropArgs(scene), ground_triangles_));
-  draws.push_back(draw(pipelines_->backdrop, backdropArgs(scene), 3));
+  if (options_.multisample) draws.push_back(draw(pipelines_->backdrop, backdropArgs(scene), 3));
   addStrokes(draws, scene, true);
   addStrokes(draws, scene, false);
   // the hand's nearest surface alone: its depth first, then its colour
@@ -376,8 +394,12 @@ void Renderer::recordPicture(Recorder& recorder, const Scene& scene) {
       draws.push_back(drawIndexed(mesh.is_forearm ? pipelines_->forearm : pipelines_->skin,
                                   meshArgs(mesh, false), *mesh.surface.triangles));
   RenderPass pass{.color = &color_, .depth = &depth_, .clear_depth = 1.0f};
-  if (options_.multisample) pass.resolve = &resolved_;
-  pass.clear_color = vec4(0, 0, 0, 1);
+  if (options_.multisample) {
+    pass.resolve = &resolved_;
+    pass.clear_color = vec4(0, 0, 0, 1);
+  } else {
+    recordBackdrop(recorder, scene);
+  }
   render(recorder, pass, draws);
   if (options_.readback) copyToBuffer(recorder, picture(), pixels_.raw());
 }

@@ -94,12 +94,17 @@ class DrawnMesh {
   Buffer<float> grid_values_;
 };
 
+/// How fine clay is drawn, whatever its own levels.
+struct DisplayDetail {
+  int finer_points = 12'000;     ///< up to two steps finer, while there are at most so many points
+  int coarser_points = 1 << 30;  ///< with more than these it is coarser, by as many steps as there are
+};
+
 /// The clay as it is drawn: subdivided further than its data points, so that no facet shows.
 class DisplaySurface {
  public:
-  /// Up to two steps finer than `levels`, but for at most `most_points`.
   DisplaySurface(Gpu& gpu, const PolygonMesh& cage, SubdivisionRule rule, int levels,
-                 int most_points = 12'000);
+                 const DisplayDetail& detail = {});
 
   /// Records the surface of control points in the workspace's frame, as engine/clay.h has them.
   void record(Recorder& recorder, const Buffer<vec3>& control_points) {
@@ -129,7 +134,8 @@ struct SceneMesh {
   SurfaceBuffers surface;
   Pose workspace_from_mesh = Pose::Identity();
   vec3 albedo = clayColor();
-  bool open = true;  ///< an open sheet: lit on both sides
+  bool open = true;         ///< an open sheet: lit on both sides
+  bool shows_touch = true;  ///< warm where the hand's skin is within 3 mm, or the hand inside
 };
 
 struct SceneHand {
@@ -155,6 +161,8 @@ struct SceneStrokes {
 SceneStrokes cubeEdges(const Workspace& workspace);
 /// The rig's cameras as pyramids with the given length.
 SceneStrokes cameraFrusta(const Rig& rig, double length_m);
+/// The ends of a polygon mesh's edges, two an edge, each edge once.
+std::vector<std::uint32_t> edgeEnds(const std::vector<std::vector<int>>& faces);
 /// The edges of a polygon mesh in the world.
 SceneStrokes meshEdges(const PolygonMesh& mesh, const Workspace& workspace);
 
@@ -189,7 +197,8 @@ struct RendererOptions {
   bool multisample = true;         ///< 4 samples a pixel: smooth edges
   int shadow_map = 1024;           ///< texels along an edge
   int shadow_taps = 64;            ///< of the soft shadow's kernel
-  bool readback = true;            ///< pixels() is wanted; a window shows picture()
+  int ground_vertices = 64;        ///< along an edge: the ground's light is found at these
+  bool readback = true;            ///< pixels() is wanted; else a window copies picture()
 
   static constexpr int kMaxPicture = 4096;
 
@@ -211,7 +220,7 @@ class Renderer {
 
   int width() const { return options_.width; }
   int height() const { return options_.height; }
-  /// The picture itself, as large as the options say.
+  /// The picture itself, as large as the options say; ImageKind::kScreen when it is not to be read back.
   Image& picture() { return options_.multisample ? resolved_ : color_; }
   /// RGBA, a word a pixel, red in the lowest byte, sRGB, rows from the top. \pre the recorded work is done
   std::span<const std::uint32_t> pixels() const { return pixels_.host(); }
@@ -240,6 +249,7 @@ class Renderer {
   void recordDensities(Recorder& recorder, const Scene& scene);
   void recordShadowMap(Recorder& recorder, const Scene& scene);
   void recordLights(Recorder& recorder, const Scene& scene);
+  void recordBackdrop(Recorder& recorder, const Scene& scene);
   void recordPicture(Recorder& recorder, const Scene& scene);
   RenderMeshArgs meshArgs(const LitMesh& mesh, bool from_light) const;
   RenderCapsuleArgs capsuleArgs(bool from_light) const;
@@ -251,12 +261,13 @@ class Renderer {
   RendererOptions options_;
   Aim aim_;
   std::unique_ptr<Pipelines> pipelines_;
-  Image color_, depth_, resolved_, shadow_image_;
+  Image color_, depth_, resolved_, backdrop_, shadow_image_;
+  vec3 backdrop_top_ = vec3::Constant(-1), backdrop_bottom_ = vec3::Zero();  ///< colours in backdrop_
   Buffer<float> shadow_map_;
   Buffer<RenderFrame> frame_;
   Buffer<vec3> ground_positions_, ground_normals_;
   Buffer<std::uint32_t> ground_triangles_;
-  Buffer<vec4> ground_lights_, lights_;
+  Buffer<VertexLight> ground_lights_, lights_;
   Buffer<std::uint32_t> areas_;
   Buffer<float> densities_;
   Buffer<vec3> stroke_points_;

@@ -12,6 +12,7 @@
 #include "shaders/render_depth.vert.h"
 #include "shaders/render_ground.frag.h"
 #include "shaders/render_ground.vert.h"
+#include "shaders/render_ground_cells.comp.h"
 #include "shaders/render_light.comp.h"
 #include "shaders/render_mesh.vert.h"
 #include "shaders/render_skin.frag.h"
@@ -25,9 +26,17 @@
 namespace airclay {
 namespace {
 
-GraphicsOptions solid(std::uint32_t samples) {
+GraphicsOptions solid(const PictureKind& target) {
   GraphicsOptions options;
-  options.samples = samples;
+  options.color_kind = target.image;
+  options.samples = target.samples;
+  return options;
+}
+
+/// Only what faces the eye, or only what looks away.
+GraphicsOptions oneSide(const PictureKind& target, VkCullModeFlags culled) {
+  GraphicsOptions options = solid(target);
+  options.cull = culled;
   return options;
 }
 
@@ -39,23 +48,31 @@ GraphicsOptions shadow() {
   return options;
 }
 
-GraphicsOptions blended(std::uint32_t samples, std::uint32_t constant) {
-  GraphicsOptions options = solid(samples);
+GraphicsOptions blended(const PictureKind& target, std::uint32_t constant) {
+  GraphicsOptions options = solid(target);
   options.blend = Blend::kAlpha;
   options.constants = {constant};
   return options;
 }
 
 /// Depth alone. Of a closed body: what looks away from the eye is never the nearest.
-GraphicsOptions depthOnly(std::uint32_t samples) {
-  GraphicsOptions options = solid(samples);
+GraphicsOptions depthOnly(const PictureKind& target) {
+  GraphicsOptions options = solid(target);
   options.blend = Blend::kDepthOnly;
   options.cull = VK_CULL_MODE_BACK_BIT;
   return options;
 }
 
-GraphicsOptions strokes(std::uint32_t samples, bool dots, bool hidden) {
-  GraphicsOptions options = blended(samples, dots ? 1 : 0);
+/// Over depthOnly()'s depth: what looks away from the eye is hidden by it anyway.
+GraphicsOptions skinOptions(const PictureKind& target, bool fades) {
+  GraphicsOptions options = blended(target, fades ? 1 : 0);
+  options.cull = VK_CULL_MODE_BACK_BIT;
+  options.depth_write = false;
+  return options;
+}
+
+GraphicsOptions strokes(const PictureKind& target, bool dots, bool hidden) {
+  GraphicsOptions options = blended(target, dots ? 1 : 0);
   options.depth_test = !hidden;
   options.depth_write = false;  // their soft edges must not hide what is behind
   return options;
@@ -69,30 +86,33 @@ std::uint32_t voxelCapacity(int voxels) {
 
 }  // namespace
 
-Renderer::Pipelines::Pipelines(Gpu& gpu, std::uint32_t samples)
+Renderer::Pipelines::Pipelines(Gpu& gpu, const PictureKind& target)
     : density(gpu, "render_density", render_density_comp, {kRenderWorkgroup}),
       density_levels(gpu, "render_density_levels", render_density_levels_comp, {kRenderWorkgroup}),
       light(gpu, "render_light", render_light_comp, {kRenderWorkgroup}),
+      ground_cells(gpu, "render_ground_cells", render_ground_cells_comp, {kRenderWorkgroup}),
       count_voxels(gpu, "render_voxel_count", render_voxel_list_comp, {kRenderWorkgroup, 0}),
       list_voxels(gpu, "render_voxel_list", render_voxel_list_comp, {kRenderWorkgroup, 1}),
       scan_voxels(gpu, "render_voxel_scan", render_voxel_scan_comp),
       shadow_mesh(gpu, "shadow of meshes", {render_depth_vert, {}}, shadow()),
-      clay(gpu, "clay", {render_mesh_vert, render_clay_frag}, solid(samples)),
-      hand_depth(gpu, "hand's depth", {render_depth_vert, {}}, depthOnly(samples)),
-      skin(gpu, "hand", {render_mesh_vert, render_skin_frag}, blended(samples, 0)),
-      forearm(gpu, "forearm", {render_mesh_vert, render_skin_frag}, blended(samples, 1)),
+      clay(gpu, "clay", {render_mesh_vert, render_clay_frag}, oneSide(target, VK_CULL_MODE_BACK_BIT)),
+      clay_inside(gpu, "clay's inside", {render_mesh_vert, render_clay_frag},
+                  oneSide(target, VK_CULL_MODE_FRONT_BIT)),
+      hand_depth(gpu, "hand's depth", {render_depth_vert, {}}, depthOnly(target)),
+      skin(gpu, "hand", {render_mesh_vert, render_skin_frag}, skinOptions(target, false)),
+      forearm(gpu, "forearm", {render_mesh_vert, render_skin_frag}, skinOptions(target, true)),
       shadow_capsules(gpu, "shadow of capsules", {render_capsules_vert, {}}, shadow()),
-      capsules(gpu, "capsules", {render_capsules_vert, render_capsules_frag}, solid(samples)),
+      capsules(gpu, "capsules", {render_capsules_vert, render_capsules_frag}, solid(target)),
       shadow_voxels(gpu, "shadow of voxels", {render_voxels_vert, {}}, shadow()),
-      voxels(gpu, "voxels", {render_voxels_vert, render_voxels_frag}, solid(samples)),
-      ground(gpu, "ground", {render_ground_vert, render_ground_frag}, solid(samples)),
-      backdrop(gpu, "backdrop", {render_backdrop_vert, render_backdrop_frag}, solid(samples)),
-      lines(gpu, "lines", {render_strokes_vert, render_strokes_frag}, strokes(samples, false, false)),
-      dots(gpu, "dots", {render_strokes_vert, render_strokes_frag}, strokes(samples, true, false)),
+      voxels(gpu, "voxels", {render_voxels_vert, render_voxels_frag}, solid(target)),
+      ground(gpu, "ground", {render_ground_vert, render_ground_frag}, solid(target)),
+      backdrop(gpu, "backdrop", {render_backdrop_vert, render_backdrop_frag}, solid(target)),
+      lines(gpu, "lines", {render_strokes_vert, render_strokes_frag}, strokes(target, false, false)),
+      dots(gpu, "dots", {render_strokes_vert, render_strokes_frag}, strokes(target, true, false)),
       hidden_lines(gpu, "hidden lines", {render_strokes_vert, render_strokes_frag},
-                   strokes(samples, false, true)),
+                   strokes(target, false, true)),
       hidden_dots(gpu, "hidden dots", {render_strokes_vert, render_strokes_frag},
-                  strokes(samples, true, true)) {}
+                  strokes(target, true, true)) {}
 
 Renderer::Voxels::Voxels(Gpu& gpu, const Carver& carver)
     : voxels(carver.voxels()),

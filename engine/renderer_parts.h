@@ -8,20 +8,27 @@
 
 namespace airclay {
 
+/// What is drawn into.
+struct PictureKind {
+  ImageKind image = ImageKind::kColor;
+  std::uint32_t samples = 1;
+};
+
 /// Everything that is compiled for the device.
 struct Renderer::Pipelines {
   Kernel<RenderDensityArgs> density;
   Kernel<RenderLevelArgs> density_levels;
   Kernel<RenderLightArgs> light;
+  Kernel<RenderGroundArgs> ground_cells;
   Kernel<VoxelListArgs> count_voxels, list_voxels;
   Kernel<VoxelScanArgs> scan_voxels;
-  GraphicsPipeline<RenderMeshArgs> shadow_mesh, clay, hand_depth, skin, forearm;
+  GraphicsPipeline<RenderMeshArgs> shadow_mesh, clay, clay_inside, hand_depth, skin, forearm;
   GraphicsPipeline<RenderCapsuleArgs> shadow_capsules, capsules;
   GraphicsPipeline<RenderVoxelArgs> shadow_voxels, voxels;
   GraphicsPipeline<RenderBackdropArgs> ground, backdrop;
   GraphicsPipeline<RenderStrokeArgs> lines, dots, hidden_lines, hidden_dots;
 
-  Pipelines(Gpu& gpu, std::uint32_t samples);
+  Pipelines(Gpu& gpu, const PictureKind& target);
 };
 
 /// A mesh and its place in the buffer of lights.
@@ -30,7 +37,7 @@ struct Renderer::LitMesh {
   Pose workspace_from_mesh = Pose::Identity();
   vec3 albedo = vec3::Zero();
   double opacity = 1;
-  bool open = false, is_hand = false, is_forearm = false;
+  bool open = false, shows_touch = false, is_hand = false, is_forearm = false;
   std::uint32_t first_light = 0;
 };
 
@@ -41,7 +48,7 @@ struct Renderer::Voxels {
   Buffer<std::uint32_t> brick_counts, brick_firsts;
   Buffer<VoxelCounts> counts;
   Buffer<vec3> positions, normals;
-  Buffer<vec4> lights;
+  Buffer<VertexLight> lights;
 
   Voxels(Gpu& gpu, const Carver& carver);
 };

@@ -64,12 +64,13 @@ std::vector<vec3> inFloat(const std::vector<Vec3>& values) {
   return result;
 }
 
-/// The finest level that is worth drawing. Every step makes about four points of one.
-int displayLevels(std::size_t control_points, int levels, int most_points) {
+/// The level that is worth drawing. Every step makes about four points of one.
+int displayLevels(std::size_t control_points, int levels, const DisplayDetail& detail) {
   double points = static_cast<double>(control_points) * std::pow(4.0, levels);
-  int finer = levels;
-  for (; finer < levels + 2 && 4 * points <= most_points; ++finer) points *= 4;
-  return finer;
+  int drawn = levels;
+  for (; drawn > 1 && points > detail.coarser_points; --drawn) points /= 4;
+  for (; drawn >= levels && drawn < levels + 2 && 4 * points <= detail.finer_points; ++drawn) points *= 4;
+  return drawn;
 }
 
 }  // namespace
@@ -151,9 +152,8 @@ DrawnMesh DrawnMesh::faceted(Gpu& gpu, const PolygonMesh& mesh) {
 }
 
 DisplaySurface::DisplaySurface(Gpu& gpu, const PolygonMesh& cage, SubdivisionRule rule, int levels,
-                               int most_points)
-    : gpu_(gpu),
-      evaluator_(gpu, subdivide(cage, displayLevels(cage.points.size(), levels, most_points), rule)) {}
+                               const DisplayDetail& detail)
+    : gpu_(gpu), evaluator_(gpu, subdivide(cage, displayLevels(cage.points.size(), levels, detail), rule)) {}
 
 void DisplaySurface::evaluate(const std::vector<Vec3>& control_points, const Workspace& workspace) {
   std::vector<vec3> in_workspace;
@@ -175,7 +175,7 @@ vec3 fromScreen(int red, int green, int blue) {
 }
 
 vec3 clayColor() {
-  return fromScreen(178, 146, 131);
+  return fromScreen(170, 150, 137);
 }
 vec3 skinColor() {
   return fromScreen(208, 152, 128);
@@ -222,15 +222,21 @@ SceneStrokes cameraFrusta(const Rig& rig, double length_m) {
   return strokes;
 }
 
-SceneStrokes meshEdges(const PolygonMesh& mesh, const Workspace& workspace) {
+std::vector<std::uint32_t> edgeEnds(const std::vector<std::vector<int>>& faces) {
   std::set<std::pair<int, int>> edges;
-  for (const std::vector<int>& face : mesh.faces)
+  for (const std::vector<int>& face : faces)
     for (std::size_t i = 0; i < face.size(); ++i)
       edges.insert(std::minmax(face[i], face[(i + 1) % face.size()]));
-  SceneStrokes strokes;
+  std::vector<std::uint32_t> ends;
   for (const auto& [a, b] : edges)
-    for (const int end : {a, b})
-      strokes.own_points.push_back(mesh.points[static_cast<std::size_t>(end)] - workspace.center);
+    for (const int end : {a, b}) ends.push_back(static_cast<std::uint32_t>(end));
+  return ends;
+}
+
+SceneStrokes meshEdges(const PolygonMesh& mesh, const Workspace& workspace) {
+  SceneStrokes strokes;
+  for (const std::uint32_t end : edgeEnds(mesh.faces))
+    strokes.own_points.push_back(mesh.points[end] - workspace.center);
   return strokes;
 }
 

@@ -23,7 +23,7 @@ void main() {
   const uint steps = clamp(uint(ceil(2 * longest)), 1, kMostSteps);
   // steps² small triangles of one size, each with its centroid: upright ones and the ones between them
   // a face or two in every cell is all that counts; more would only overflow
-  const uint share = uint(min(area / (steps * steps), 64.0) * kDensityUnit);
+  const uint share = uint(min(args.weight * area / (steps * steps), 64.0) * kDensityUnit);
   for (uint i = 0; i < steps; ++i)
     for (uint j = 0; j < 2 * (steps - i) - 1; ++j) {
       const float third = (j & 1u) == 0 ? 1.0 / 3 : 2.0 / 3;

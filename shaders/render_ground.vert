@@ -10,7 +10,7 @@ layout(location = 0) out vec3 shade;
 
 void main() {
   const vec3 place = args.positions.at[gl_VertexIndex];
-  const vec2 light = args.lights.at[gl_VertexIndex].xy;
+  const vec2 light = vec2(args.lights.at[gl_VertexIndex].key, args.lights.at[gl_VertexIndex].open_front);
   const vec2 border = abs(place.xy);
   const vec2 fades = mix(light, vec2(1), smoothstep(0.6, 0.95, max(border.x, border.y)));
   // warm in the shade

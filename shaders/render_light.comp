@@ -15,6 +15,8 @@ const float kSearchM = 0.045;        // how far to the side what casts a shadow 
 const float kLeastBlurM = 0.004;     // finer than a vertex spacing of the clay would flicker
 const float kContactM = 0.010;       // the contact shadow fades to 1/e over this gap
 const float kContactDepth = 0.55;
+const float kThroughSkin = 0.4;       // of the key light: so much comes through the hand, or its shadow would hide what it shapes,
+const float kThroughM = 0.05;         // to 1/e over this distance
 const float kConeCells = 1.6;        // farther out than a flat surface's own cells reach
 const float kConeStrength = 0.75;
 const float kReach = 0.4;             // cosine; no material wraps light farther (render_studio.glsl)
@@ -136,6 +138,7 @@ void main() {
   const bool reached = args.two_sided == 1 || dot(n, key) > -kReach;
   float arrives = reached ? keyArrives(p, faces_key || args.two_sided == 0 ? n : -n, key) : 0.0;
   vec2 open = vec2(openness(p, n, edge_m), args.two_sided == 1 ? openness(p, -n, edge_m) : 1.0);
+  float hand_m = kFarM;
   if (uint64_t(args.hand_grid) != 0) {
     const vec4 hand = handDistance(p);
     const float faces_hand = -dot(n, hand.yzw);
@@ -143,6 +146,8 @@ void main() {
     const vec2 contact = 1 - kContactDepth * exp(-max(hand.x, 0) / kContactM) * sees;
     open *= contact;
     arrives *= faces_key ? contact.x : contact.y;
+    if (reached) arrives = max(arrives, kThroughSkin * exp(-max(hand.x, 0) / kThroughM));
+    if (args.shows_touch == 1) hand_m = hand.x;
   }
-  args.lights.at[vertex] = vec4(arrives, open, n.z);
+  args.lights.at[vertex] = VertexLight(arrives, open.x, open.y, n.z, hand_m);
 }

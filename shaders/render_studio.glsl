@@ -13,7 +13,10 @@ struct Material {
   float rim;
 };
 
-// What leaves a surface towards the eye. `arrives`: share of the key light; `open`: to the light all around.
+// A highlight's x to the power of s, without the power (Schlick 1994, "A Fast Alternative to Phong's Specular Model").
+float highlight(float x, float s) { return x / (s - s * x + x); }
+
+// What leaves a surface towards the eye, all directions of unit length. `arrives`: share of the key light; `open`: to the light all around.
 // `upward`: the normal's part along z.
 vec3 studio(Material m, vec3 n, float upward, vec3 to_eye, vec3 to_key, float arrives, float open) {
   const float facing = dot(n, to_key);
@@ -21,10 +24,10 @@ vec3 studio(Material m, vec3 n, float upward, vec3 to_eye, vec3 to_key, float ar
   const vec3 around = mix(kBounceLight, kSkyLight, 0.5 + 0.5 * upward) * open;
   vec3 light = m.albedo * (kKeyLight * key + around);
   // light that meets walls of its own colour comes back coloured: openness darkens the channels unequally
-  light *= mix(sqrt(m.albedo / max(m.albedo.r, max(m.albedo.g, m.albedo.b))), vec3(1), open);
-  const vec3 half_way = normalize(to_key + to_eye);
-  light += m.gloss * kKeyLight * pow(max(dot(n, half_way), 0), m.sharpness) * arrives * step(0, facing);
-  const float grazing = pow(1 - max(dot(n, to_eye), 0), 4);
+  light *= mix(0.5 + 0.5 / max(m.albedo.r, max(m.albedo.g, m.albedo.b)) * m.albedo, vec3(1), open);
+  const float half_way = (facing + dot(n, to_eye)) * inversesqrt(2.001 + 2 * dot(to_key, to_eye));
+  light += m.gloss * highlight(max(half_way, 0), m.sharpness) * arrives * step(0, facing) * kKeyLight;
+  const float aslant = 1 - max(dot(n, to_eye), 0), grazing = (aslant * aslant) * (aslant * aslant);
   light += m.rim * kSkyLight * grazing * open * (0.4 + 0.6 * clamp(upward + 0.6, 0, 1));
   return light;
 }
@@ -32,5 +35,5 @@ vec3 studio(Material m, vec3 n, float upward, vec3 to_eye, vec3 to_key, float ar
 // Strong light bends into white instead of being cut.
 vec3 exposed(vec3 light) {
   const vec3 knee = max(light - 0.6, 0);
-  return min(light, 0.6) + 0.4 * (1 - exp(-knee / 0.4));
+  return min(light, 0.6) + 0.5 * knee / (0.5 + knee);
 }

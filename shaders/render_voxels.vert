@@ -22,7 +22,9 @@ void main() {
   offset[(axis + 1) % 3] = in_face.x;
   offset[(axis + 2) % 3] = in_face.y;
   const vec3 place = center + 0.5 * args.voxel_m * offset;
-  light = uint64_t(args.lights) == 0 ? vec2(1) : args.lights.at[gl_InstanceIndex].xy;
+  light = uint64_t(args.lights) == 0
+              ? vec2(1)
+              : vec2(args.lights.at[gl_InstanceIndex].key, args.lights.at[gl_InstanceIndex].open_front);
   to_eye = args.eye - place;
   gl_Position = args.clip_from_workspace * vec4(place, 1);
 }

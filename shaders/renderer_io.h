@@ -12,9 +12,7 @@ AIRCLAY_IO_BEGIN
 
 const uint kRenderWorkgroup = 64;
 
-// Vertices along each side of the square of ground that is lit; it reaches kGroundHalf workspace edges to each side. They
-// stand closer towards its middle.
-const uint kGroundCells = 64;
+// The square of ground that is lit reaches so many workspace edges to each side. Its vertices stand closer towards its middle.
 const float kGroundHalf = 1.6f;
 
 // How much surface stands where: a pyramid of cubes around the workspace, kDensityCells along an edge and then half and a
@@ -40,7 +38,19 @@ struct RenderFrame {
   uint grid_size[3];
 };
 READ_POINTER(ReadRenderFrames, RenderFrame)
-WRITE_POINTER(WriteVec4s, vec4)
+
+// What arrives at a vertex.
+struct VertexLight {
+  float key;          // share of the key light
+  float open_front;   // openness to the light all around, on the normal's side
+  float open_behind;
+  float upward;       // the normal's part along z
+  float hand_m;       // signed distance to the hand's skin; kFarM where it does not count
+};
+READ_POINTER(ReadVertexLights, VertexLight)
+WRITE_POINTER(WriteVertexLights, VertexLight)
+
+const float kFarM = 1.0f;
 
 // render_density.comp: adds a mesh's area to the finest cells. An invocation a triangle.
 struct RenderDensityArgs {
@@ -51,6 +61,7 @@ struct RenderDensityArgs {
   vec3 translation;
   uint triangle_count;
   float edge_m;
+  float weight;       // of its area: less than 1 where light comes through
 };
 
 // render_density_levels.comp: the pyramid from the finest cells. An invocation one of the coarsest cells.
@@ -59,8 +70,7 @@ struct RenderLevelArgs {
   WriteFloats densities;
 };
 
-// render_light.comp: per vertex (share of the key light that arrives, openness in front, openness behind, the normal's
-// upward part).
+// render_light.comp. An invocation a vertex.
 struct RenderLightArgs {
   ReadRenderFrames frame;
   ReadFloats shadow_map;
@@ -68,19 +78,27 @@ struct RenderLightArgs {
   ReadFloats hand_grid;  // 0: the vertices belong to the hand or there is none
   ReadVec3s positions;
   ReadVec3s normals;
-  WriteVec4s lights;
+  WriteVertexLights lights;
   ReadUints device_count;  // 0: `count` holds; else the smaller of the two
   mat3 rotation;           // workspace_from_mesh; may scale
   vec3 translation;
   uint count;
   uint two_sided;
+  uint shows_touch;        // whether hand_m is wanted
+};
+
+// render_ground_cells.comp: the ground's triangles, an invocation a cell.
+struct RenderGroundArgs {
+  ReadVertexLights lights;
+  WriteUints triangles;    // six indices a cell, all 0 where there is no shade to be seen
+  uint side;               // vertices along the square's
 };
 
 // render_depth.vert; render_mesh.vert with render_clay.frag or render_skin.frag. Light is reckoned in the mesh's own frame.
 struct RenderMeshArgs {
   ReadVec3s positions;
   ReadVec3s normals;
-  ReadVec4s lights;
+  ReadVertexLights lights;
   mat4 clip_from_mesh;
   vec3 eye;            // mesh frame
   vec3 key_direction;  // mesh frame
@@ -91,7 +109,7 @@ struct RenderMeshArgs {
 // render_backdrop.vert, .frag; render_ground.vert, .frag
 struct RenderBackdropArgs {
   ReadVec3s positions;    // of the ground: -1 to 1; 0 for the backdrop
-  ReadVec4s lights;
+  ReadVertexLights lights;
   mat4 clip_from_ground;
   vec3 top;               // colour of the picture's upper edge
   vec3 bottom;

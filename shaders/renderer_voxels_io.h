@@ -51,7 +51,7 @@ struct VoxelScanArgs {
 // render_voxels.vert, .frag
 struct RenderVoxelArgs {
   ReadVec3s positions;
-  ReadVec4s lights;     // 0: depth alone is wanted
+  ReadVertexLights lights;  // 0: depth alone is wanted
   mat4 clip_from_workspace;
   vec3 eye;             // the faces towards it are drawn
   vec3 key_direction;

@@ -234,6 +234,30 @@ TEST(Graphics, ADrawWaitsForTheKernelThatFillsItsBuffer) {
   EXPECT_TRUE(recorder.commands()[2].barrier_before);
 }
 
+TEST(Graphics, AScreensImageHasBlueFirstAndIsCopiedWhole) {
+  Gpu& gpu = testGpu();
+  GraphicsOptions options;
+  options.color_kind = ImageKind::kScreen;
+  options.has_depth = false;
+  options.depth_test = false;
+  options.samples = 1;
+  const GraphicsPipeline<TrianglesArgs> pipeline(gpu, "screen", {triangles_vert, triangles_frag}, options);
+  Image drawn(gpu, ImageKind::kScreen, kWidth, kHeight), copied(gpu, ImageKind::kScreen, kWidth, kHeight);
+  const Buffer<vec3> corners(gpu, leftPart(0, 0.5f));
+  Buffer<std::uint32_t> words(gpu, kWidth * kHeight, Memory::kHost);
+  Recorder recorder(gpu);
+  recorder.begin();
+  recorder.stage("draw");
+  render(recorder, {.color = &drawn, .clear_color = kBlack},
+         {draw(pipeline, TrianglesArgs{corners, kRed}, 6)});
+  copyImage(recorder, drawn, copied);
+  copyToBuffer(recorder, copied, words.raw());
+  recorder.submitAndWait();
+  for (std::uint32_t y = 0; y < kHeight; ++y)
+    for (std::uint32_t x = 0; x < kWidth; ++x)
+      ASSERT_EQ(words.host()[y * kWidth + x], x < kWidth / 2 ? 0xFFFF0000u : 0xFF000000u) << x << ", " << y;
+}
+
 TEST(Graphics, WhatCannotBeDrawnIsRefused) {
   Gpu& gpu = testGpu();
   EXPECT_THROW(Image(gpu, ImageKind::kColor, 0, 10), Error);
@@ -245,6 +269,9 @@ TEST(Graphics, WhatCannotBeDrawnIsRefused) {
   Recorder recorder(gpu);
   recorder.begin();
   EXPECT_THROW(copyToBuffer(recorder, image, small.raw()), Error);
+  Image other(gpu, ImageKind::kScreen, 8, 8), larger(gpu, ImageKind::kColor, 8, 9);
+  EXPECT_THROW(copyImage(recorder, image, other), Error);
+  EXPECT_THROW(copyImage(recorder, image, larger), Error);
   recorder.submitAndWait();
 }
 

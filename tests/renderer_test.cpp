@@ -304,9 +304,43 @@ TEST(Renderer, ANearHandDarkensTheClayThatItFaces) {
     Painting painting;
     return painting.paint(scene, lookAt(Vec3(0, 0, -0.9), Vec3::Zero())).at(kWidth / 2, kHeight / 2).sum();
   };
-  const int touching = under(0.001), near = under(0.015), far = under(0.1);
-  EXPECT_LT(touching, near - 10);
+  const int nearest = under(0.006), near = under(0.02), far = under(0.1);  // none of them touches
+  EXPECT_LT(nearest, near - 10);
   EXPECT_LT(near, far - 10);
+}
+
+TEST(Renderer, ClayIsWarmWhereTheHandTouchesItAndNowhereElse) {
+  constexpr double kRadius = 0.04;
+  const DrawnMesh clay(testGpu(), plate(0.25, 0));
+  const DrawnMesh skin = DrawnMesh::withDistances(testGpu(), sphere(Vec3::Zero(), kRadius));
+  // a ball of skin over a plate: at r from its lowest point the plate is sqrt(r² + h²) - radius away from it.
+  // Seen from below, where the plate hides the skin; how much redder than grey clay of the same light a point
+  // is tells its tint.
+  const auto tint = [&](double height_m, double r_m, bool shows) {
+    Scene scene;
+    scene.meshes.push_back(solid(clay, vec3::Constant(0.4f)));
+    scene.meshes.back().open = true;
+    scene.meshes.back().shows_touch = shows;
+    SceneHand hand;
+    hand.skin = &skin;
+    hand.workspace_from_hand.translation() = Vec3(0, 0, height_m);
+    scene.hand = hand;
+    Painting painting;
+    const View view = lookAt(Vec3(0, 0, -0.9), Vec3::Zero());
+    const Vec3 seen = view.camera_from_workspace * Vec3(r_m, 0, 0);
+    const double focal_px = 0.5 * kHeight / std::tan(0.5 * view.vertical_fov_rad);
+    const Pixel pixel = painting.paint(scene, view)
+                            .at(static_cast<int>(0.5 * kWidth + focal_px * seen.x() / seen.z()),
+                                static_cast<int>(0.5 * kHeight + focal_px * seen.y() / seen.z()));
+    return double(pixel.r) / std::max(pixel.b, 1);
+  };
+  const double untinted = tint(kRadius, 0, false);
+  EXPECT_GT(tint(kRadius, 0, true), 1.5 * untinted);                           // the ball lies on the plate
+  EXPECT_GT(tint(kRadius - 0.01, 0, true), 1.5 * untinted);                    // and in it, 1 cm deep
+  EXPECT_GT(tint(kRadius, 0.012, true), 1.2 * untinted);                       // 1.8 mm away
+  EXPECT_NEAR(tint(kRadius, 0.030, true), tint(kRadius, 0.030, false), 0.01);  // 10 mm
+  EXPECT_NEAR(tint(kRadius + 0.02, 0, true), tint(kRadius + 0.02, 0, false), 0.01);
+  EXPECT_NEAR(tint(kRadius + 0.005, 0, true), tint(kRadius + 0.005, 0, false), 0.02);
 }
 
 TEST(Renderer, TheDisplaySurfaceIsTheSubdivisionOfTheCageFurtherOn) {
@@ -322,8 +356,47 @@ TEST(Renderer, TheDisplaySurfaceIsTheSubdivisionOfTheCageFurtherOn) {
   for (std::size_t i = 0; i < points.size(); ++i)
     EXPECT_LT((points[i].cast<double>() + workspace.center - expected[i]).norm(), 1e-6);
   // no finer than asked for
-  DisplaySurface coarse(testGpu(), cage, SubdivisionRule::kPrinted, 2, 400);
+  DisplaySurface coarse(testGpu(), cage, SubdivisionRule::kPrinted, 2, {.finer_points = 400});
   EXPECT_EQ(coarse.surface().positions->count(), 364u);
+}
+
+TEST(Renderer, ACoarserDisplaySurfaceIsASubdivisionOfFewerSteps) {
+  const PolygonMesh cage = presetCage("tube");  // 28, 98, 364, 1400 points
+  DisplayDetail detail;
+  detail.coarser_points = 500;
+  const DisplaySurface coarse(testGpu(), cage, SubdivisionRule::kCatmullClark, 3, detail);
+  EXPECT_EQ(coarse.surface().positions->count(), 364u);
+  detail.coarser_points = 20;  // one step is the least
+  const DisplaySurface coarsest(testGpu(), cage, SubdivisionRule::kCatmullClark, 3, detail);
+  EXPECT_EQ(coarsest.surface().positions->count(), 98u);
+}
+
+TEST(Renderer, TheBackdropIsTheSameDrawnOrCopied) {
+  // with samples it is drawn in each picture, without them once and then copied
+  Painting drawn({.width = kWidth, .height = kHeight, .multisample = true}), copied;
+  for (const int grey : {236, 236, 120}) {
+    Scene scene;
+    scene.backdrop_top = fromScreen(grey, 233, 228);
+    EXPECT_EQ(differing(drawn.paint(scene, fromTheFront(1)).pixels(),
+                        copied.paint(scene, fromTheFront(1)).pixels()),
+              0);
+  }
+}
+
+TEST(Renderer, GroundIsSeenWhereAShadowLiesOnIt) {
+  const DrawnMesh ball(testGpu(), sphere(Vec3(0, 0, 0.05), 0.05));
+  const auto picture = [&](bool has_ground, bool has_ball) {
+    Scene scene;
+    if (has_ground) scene.ground_z_m = -0.1;
+    if (has_ball) scene.meshes.push_back(solid(ball));
+    Painting painting;
+    return painting.paint(scene, lookAt(Vec3(0, -0.9, 0.5), Vec3::Zero())).pixels();
+  };
+  EXPECT_EQ(differing(picture(true, false), picture(false, false)), 0);  // all light: the backdrop itself
+  // the key light's shadow of the ball: a disc of 5 cm at 0.9 m or more covers some hundred pixels at least
+  const int shaded = differing(picture(true, true), picture(false, true));
+  EXPECT_GT(shaded, 300);
+  EXPECT_LT(shaded, kWidth * kHeight / 2);
 }
 
 TEST(Renderer, PicturesOfAnImpossibleSizeAreRefused) {

@@ -18,7 +18,7 @@ class FileChooser {
   void open(const std::string& title, const std::filesystem::path& folder, std::vector<std::string> endings,
             bool to_write, Chosen chosen);
   bool isOpen() const { return open_; }
-  /// \pre between Window::begin() and present()
+  /// \pre between Window::begin(), with an interface, and draw()
   void draw();
 
  private:

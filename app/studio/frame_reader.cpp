@@ -4,14 +4,6 @@
 #include <utility>
 
 namespace airclay {
-namespace {
-
-constexpr double kReadAhead = 2;       // times the last frame's decoding: it varies
-constexpr double kPaceShare = 0.2;     // of the newest interval in the running mean
-constexpr double kSlowestPaceS = 0.1;  // a search takes longer, and says nothing of the pace
-
-}  // namespace
-
 FrameReader::FrameReader(Recording& recording) : recording_(recording), thread_([this] { run(); }) {}
 
 FrameReader::~FrameReader() {
@@ -32,7 +24,6 @@ void FrameReader::run() {
       if (restart_) continue;  // what was read is of the last round
       std::swap(slot_, set);
       last_captured_ = slot_.captured_at;
-      slot_decode_ms_ = slot_.decode_ms;
       full_ = true;
       ++next_;
       changed_.notify_all();
@@ -44,16 +35,11 @@ void FrameReader::run() {
   }
 }
 
-/// When the next frame is due: at the recording's own pace, or at that of whoever takes the frames when that
-/// is slower. It is not read long before it is wanted: what waits is late when it is shown.
+/// When the next frame is due: at the recording's own pace.
 Clock::time_point FrameReader::due() const {
-  const auto seconds = [](double s) {
-    return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));
-  };
   if (next_ == 0) return Clock::now();
-  const double wait_s = busy_s_ - kReadAhead * 1e-3 * slot_decode_ms_;
-  return std::max(last_captured_ + seconds(1 / recording_.rateHz()),
-                  last_taken_ + seconds(std::max(0.0, wait_s)));
+  const std::chrono::duration<double> interval(1 / recording_.rateHz());
+  return last_captured_ + std::chrono::duration_cast<Clock::duration>(interval);
 }
 
 bool FrameReader::waitForRoom() {
@@ -64,7 +50,7 @@ bool FrameReader::waitForRoom() {
       next_ = 0;
     }
     ended_ = next_ == recording_.frameCount() && !full_;
-    const bool idle = full_ || paused_ || next_ == recording_.frameCount();
+    const bool idle = !asked_ || full_ || paused_ || next_ == recording_.frameCount();
     const Clock::time_point when = due();
     if (!idle && Clock::now() >= when) return true;
     if (idle)
@@ -92,21 +78,21 @@ void FrameReader::read(FrameSet& set) {
   set.decode_ms = std::chrono::duration<double, std::milli>(Clock::now() - set.captured_at).count();
 }
 
+void FrameReader::ask() {
+  const std::lock_guard lock(mutex_);
+  asked_ = true;
+  changed_.notify_all();
+}
+
 bool FrameReader::take(FrameSet& set, double wait_s) {
   std::unique_lock lock(mutex_);
-  if (taker_is_busy_) {
-    // back from the last one: so long it was busy
-    const double busy_s = std::chrono::duration<double>(Clock::now() - last_taken_).count();
-    busy_s_ += kPaceShare * (std::min(busy_s, kSlowestPaceS) - busy_s_);
-    taker_is_busy_ = false;
-  }
+  asked_ = true;
+  changed_.notify_all();
   changed_.wait_for(lock, std::chrono::duration<double>(wait_s), [&] { return full_ || fault_ || ended_; });
   if (fault_) std::rethrow_exception(std::exchange(fault_, nullptr));
   if (!full_) return false;
   std::swap(slot_, set);
-  last_taken_ = Clock::now();
-  taker_is_busy_ = true;
-  full_ = false;
+  asked_ = full_ = false;
   changed_.notify_all();
   return true;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Reads a recording ahead on a thread of its own, one frame set at a time: while the engine works on one, the
-// next is decoded.
+// Reads a recording on a thread of its own, one frame set at a time, when it is asked for and due: what is
+// read earlier is late when it is shown. Whoever takes frames asks while the last picture is still being
+// drawn.
 #pragma once
 
 #include <chrono>
@@ -32,6 +33,8 @@ class FrameReader {
   explicit FrameReader(Recording& recording);
   ~FrameReader();
 
+  /// The next one will be taken soon: it is read now, or when it is due.
+  void ask();
   /// Exchanges `set` with the next one; false when there is none within `wait_s`. \throw what reading threw
   bool take(FrameSet& set, double wait_s);
   /// Whether all frames have been taken.
@@ -52,10 +55,9 @@ class FrameReader {
   bool stop_ = false, paused_ = false, restart_ = false, full_ = false;
   int next_ = 0;  ///< frame to be read
   bool ended_ = false;
-  Clock::time_point last_captured_{}, last_taken_ = Clock::now();
-  bool taker_is_busy_ = false;
-  double busy_s_ = 0, slot_decode_ms_ = 0;  ///< of whoever takes, a running mean; of the last frame
-  FrameSet slot_;                           ///< read, not taken yet: when full_
+  bool asked_ = false;  ///< for the next one
+  Clock::time_point last_captured_{};
+  FrameSet slot_;  ///< read, not taken yet: when full_
   std::exception_ptr fault_;
   std::thread thread_;
 };

@@ -16,6 +16,12 @@ namespace {
 // Half of what the tracker still believes: there the pose may be off by a centimetre.
 constexpr double kDoubtfulShare = 0.35, kDoubtfulMetres = 0.0012;
 constexpr double kMouseFrameS = 1.0 / 30;
+/// Where it is the CPU that draws, small pictures need not be newer; the interface around them is not either.
+constexpr auto kThumbnailsStay = std::chrono::milliseconds(90);
+/// As many data points are enough to say where the clay is.
+constexpr std::size_t kClayPoints = 2000;
+/// A window that draws nothing for so long is minimised, or busy with something else.
+constexpr auto kPictureWait = std::chrono::milliseconds(50);
 
 HandTrust trustIn(const FrameResult& result) {
   switch (result.hand) {
@@ -60,6 +66,7 @@ Session::Session(Gpu& gpu, const Options& options, Document document)
   thumbnails_ = Buffer<std::uint32_t>(gpu, pixels, Memory::kHost);
   if (options_.recording) reader_.emplace(*options_.recording);
   refreshDocumentView();
+  lookAtClay(snapshot_, true);
   thread_ = std::thread([this] { run(); });
 }
 
@@ -84,6 +91,12 @@ DocumentView Session::documentView() const {
 std::vector<std::string> Session::takeNotes() {
   const std::lock_guard lock(mutex_);
   return std::exchange(notes_, {});
+}
+
+void Session::pictureSubmitted(std::uint64_t serial) {
+  const std::lock_guard lock(mutex_);
+  submitted_serial_ = serial;
+  picture_submitted_.notify_all();
 }
 
 void Session::set(const SessionSettings& settings) {
@@ -275,6 +288,12 @@ bool Session::obey() {
     guarded(command);
     refreshDocumentView();
   }
+  if (worked) {
+    Snapshot now = snapshot();
+    lookAtClay(now, true);
+    const std::lock_guard lock(mutex_);
+    snapshot_ = std::move(now);
+  }
   return worked;
 }
 
@@ -322,17 +341,23 @@ bool Session::frameFromRecording() {
     else
       next.result = pipeline_.trackPictures();
   }
+  reader_->ask();  // what is left of this frame keeps one core busy
   if (!next.learning) {
     next.trust = trustIn(next.result);
     sculpt(next, set_.frame > 0 && last_frame_s_ >= 0 ? next.time_s - last_frame_s_ : 1 / recording.rateHz());
   }
   last_frame_s_ = next.time_s;
-  drawThumbnails(set_);
+  const auto now = Clock::now();
+  if (!gpu_.isCpu() || now - thumbnails_at_ > kThumbnailsStay) {
+    drawThumbnails(set_);
+    thumbnails_at_ = now;
+  }
   if (options_.on_frame) {
     const PlayedFrame played{next.frame, next.time_s, next.learning, next.decode_ms, next.result};
     options_.on_frame(pipeline_, &played);
   }
   publish(next);
+  waitForPicture(serial_);
   return true;
 }
 
@@ -418,6 +443,24 @@ void Session::show(const ClayState& state) {
   ++form_serial_;
 }
 
+void Session::waitForPicture(std::uint64_t serial) {
+  std::unique_lock lock(mutex_);
+  picture_submitted_.wait_for(lock, kPictureWait, [&] { return submitted_serial_ >= serial || stop_; });
+}
+
+/// What the window is told of the clay. `moved`: it may have since the last time.
+void Session::lookAtClay(Snapshot& next, bool moved) {
+  if (moved) {
+    const std::vector<vec3> all = pipeline_.clay().dataPoints().download();
+    const std::size_t step = std::max<std::size_t>(1, all.size() / kClayPoints);
+    clay_points_.clear();
+    for (std::size_t i = 0; i < all.size(); i += step) clay_points_.push_back(all[i]);
+    ++clay_serial_;
+  }
+  next.clay_points = clay_points_;
+  next.clay_serial = clay_serial_;
+}
+
 void Session::publish(Snapshot next) {
   const auto now = Clock::now();
   if (!next.ended) {
@@ -428,6 +471,7 @@ void Session::publish(Snapshot next) {
     frame_times_.pop_front();
   next.rate_hz = static_cast<double>(frame_times_.size());
   next.sculpting = strokes_.underWay();
+  lookAtClay(next, next.result.clay.touched > 0);
   {
     const std::lock_guard lock(mutex_);
     snapshot_ = std::move(next);

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <atomic>
+#include <condition_variable>
 #include <deque>
 #include <functional>
 #include <shared_mutex>
@@ -63,8 +64,10 @@ struct Snapshot {
   FrameResult result;
   double decode_ms = 0, steady_ms = 0;  ///< the filter's lag
   Clock::time_point captured_at;
-  double rate_hz = 0;      ///< frames that went through in the last second
-  bool sculpting = false;  ///< a stroke is under way
+  double rate_hz = 0;             ///< frames that went through in the last second
+  std::uint64_t clay_serial = 0;  ///< another one when the clay may have moved
+  std::vector<vec3> clay_points;  ///< some of its data points, spread evenly; workspace frame
+  bool sculpting = false;         ///< a stroke is under way
 };
 
 /// What the document is like, for menus.
@@ -97,6 +100,9 @@ class Session {
 
   // --- the window's thread ---
   Snapshot snapshot() const;
+  /// The picture of this snapshot is on its way, or there is none to come: the next frame may begin. Until
+  /// then the recording's next one waits a little: on one queue, it would be done before the picture.
+  void pictureSubmitted(std::uint64_t serial);
   DocumentView documentView() const;
   /// Lines to be shown once: what a command did, or why it could not.
   std::vector<std::string> takeNotes();
@@ -148,6 +154,8 @@ class Session {
   void endStroke();
   void show(const ClayState& state);
   void publish(Snapshot next);
+  void waitForPicture(std::uint64_t serial);
+  void lookAtClay(Snapshot& next, bool moved);
   void refreshDocumentView();
   void drawThumbnails(const FrameSet& set);
   void note(const std::string& words);
@@ -166,12 +174,16 @@ class Session {
   Buffer<std::uint32_t> thumbnails_;
   std::vector<std::size_t> thumbnail_starts_;
   std::deque<Clock::time_point> frame_times_;
+  Clock::time_point thumbnails_at_{};
   double last_frame_s_ = -1;
   bool background_learned_ = false, turning_ = false;
-  std::uint64_t serial_ = 0;
+  std::uint64_t serial_ = 0, clay_serial_ = 0;
+  std::vector<vec3> clay_points_;
 
   mutable std::shared_mutex structure_;  ///< the clay's buffers stay while it is held
   mutable std::mutex mutex_;             ///< of what follows
+  std::condition_variable picture_submitted_;
+  std::uint64_t submitted_serial_ = 0;  ///< of the last picture
   Snapshot snapshot_;
   DocumentView document_view_;
   std::vector<std::string> notes_;

@@ -10,13 +10,31 @@
 namespace airclay {
 namespace {
 
-/// The distance from hand to clay is taken over so many data points at most.
-constexpr std::size_t kMeasuredPoints = 2000;
 /// 15 cm: farther away nobody asks how far.
 constexpr double kFarthestGap = 0.15;
-/// A software device draws what moves in a quarter of the pixels; what rests is drawn in all of them.
-constexpr double kMovingScale = 0.5;
-constexpr int kMovingTaps = 8;
+/// What a software device can draw at the cameras' pace: a triangle costs it as much as a hundred pixels.
+constexpr DisplayDetail kMovingDetail = {.finer_points = 3'000, .coarser_points = 30'000};
+/// More cannot be told apart, and would hold up the first picture of a movement.
+constexpr DisplayDetail kRestingDetail = {.coarser_points = 150'000};
+constexpr int kMovingTaps = 8, kMovingShadowMap = 320, kMovingGround = 40;
+
+/// All that a picture depends on.
+std::vector<double> keyOf(const Session::ClayOnDevice& clay, const Snapshot& snapshot,
+                          const StudioSettings& settings, const StagePicture& wanted) {
+  std::vector<double> key = {
+      double(wanted.width),           double(wanted.height),         double(wanted.moving),
+      double(clay.form_serial),       double(snapshot.clay_serial),  double(snapshot.trust),
+      double(settings.show_voxels),   double(settings.show_cage),    double(settings.show_points),
+      double(settings.show_skeleton), double(settings.show_cameras), wanted.view.vertical_fov_rad};
+  if (settings.show_voxels) key.push_back(double(snapshot.serial));
+  const auto add = [&](const Pose& pose) {
+    const Eigen::Matrix4d matrix = pose.matrix();
+    key.insert(key.end(), matrix.data(), matrix.data() + matrix.size());
+  };
+  add(wanted.view.camera_from_workspace);
+  if (snapshot.world_from_hand) add(*snapshot.world_from_hand);
+  return key;
+}
 
 }  // namespace
 
@@ -35,31 +53,32 @@ Stage::Stage(Gpu& gpu, const Session& session, const std::optional<TriangleMesh>
     }
 }
 
-void Stage::measure(const Clay& clay, const std::optional<Pose>& workspace_from_hand) {
-  const std::vector<vec3> points = clay.dataPoints().download();
+void Stage::measure(const Snapshot& snapshot, const std::optional<Pose>& workspace_from_hand) {
   Eigen::AlignedBox3d box;
-  for (const vec3& point : points) box.extend(point.cast<double>());
+  for (const vec3& point : snapshot.clay_points) box.extend(point.cast<double>());
   clay_center_ = box.center();
   clay_radius_m_ = 0.5 * box.diagonal().norm();
   ground_z_m_ = std::min(-0.3 * session_.rig().workspace.edge_m, box.min().z() - 0.01);
   gap_m_.reset();
   if (!workspace_from_hand) return;
   const Pose hand_from_workspace = workspace_from_hand->inverse();
-  const std::size_t step = std::max<std::size_t>(1, points.size() / kMeasuredPoints);
   double nearest = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < points.size(); i += step)
-    nearest = std::min(nearest, sample(hand_.grid(), hand_from_workspace * points[i].cast<double>()));
+  for (const vec3& point : snapshot.clay_points)
+    nearest = std::min(nearest, sample(hand_.grid(), hand_from_workspace * point.cast<double>()));
   if (nearest < kFarthestGap) gap_m_ = nearest;
 }
 
 Renderer& Stage::rendererFor(int width, int height, bool moving) {
   const bool software = gpu_.isCpu();
-  const double scale = software && moving ? kMovingScale : 1;
   RendererOptions options;
-  options.width = std::max(1, static_cast<int>(std::lround(scale * width)));
-  options.height = std::max(1, static_cast<int>(std::lround(scale * height)));
-  if (software) options = RendererOptions::live(options.width, options.height);
-  if (software && moving) options.shadow_taps = kMovingTaps;
+  options.width = width;
+  options.height = height;
+  if (software) options = RendererOptions::live(width, height);
+  if (software && moving) {
+    options.shadow_taps = kMovingTaps;
+    options.shadow_map = kMovingShadowMap;
+    options.ground_vertices = kMovingGround;
+  }
   options.readback = false;
   std::unique_ptr<Renderer>& renderer = renderers_[software && moving];
   if (!renderer || renderer->width() != options.width || renderer->height() != options.height)
@@ -67,24 +86,49 @@ Renderer& Stage::rendererFor(int width, int height, bool moving) {
   return *renderer;
 }
 
+/// Evaluated again only where the clay has moved since.
+SurfaceBuffers Stage::recordSurface(Recorder& recorder, const Session::ClayOnDevice& clay,
+                                    std::uint64_t clay_serial, bool moving) {
+  const bool coarse = gpu_.isCpu() && moving;
+  DrawnClay& drawn = clays_[coarse];
+  if (drawn.form_serial != clay.form_serial) {
+    drawn.surface = std::make_unique<DisplaySurface>(gpu_, clay.form.cage, clay.form.rule, clay.form.levels,
+                                                     coarse         ? kMovingDetail
+                                                     : gpu_.isCpu() ? kRestingDetail
+                                                                    : DisplayDetail{});
+    drawn.form_serial = clay.form_serial;
+    drawn.clay_serial = 0;
+  }
+  if (drawn.clay_serial != clay_serial) drawn.surface->record(recorder, clay.clay.controlPoints());
+  drawn.clay_serial = clay_serial;
+  return drawn.surface->surface();
+}
+
 void Stage::record(Recorder& recorder, const Session::ClayOnDevice& clay, const Snapshot& snapshot,
                    const StudioSettings& settings, const StagePicture& wanted) {
-  drawn_ = &rendererFor(wanted.width, wanted.height, wanted.moving);
-  if (form_serial_ != clay.form_serial) {
-    surface_ = std::make_unique<DisplaySurface>(gpu_, clay.form.cage, clay.form.rule, clay.form.levels);
-    form_serial_ = clay.form_serial;
-  }
-  const Workspace& workspace = session_.rig().workspace;
   std::optional<Pose> workspace_from_hand;
   if (snapshot.world_from_hand)
-    workspace_from_hand = workspaceFromWorld(workspace) * *snapshot.world_from_hand;
-  measure(clay.clay, workspace_from_hand);
+    workspace_from_hand = workspaceFromWorld(session_.rig().workspace) * *snapshot.world_from_hand;
+  measure(snapshot, workspace_from_hand);
 
-  surface_->record(recorder, clay.clay.controlPoints());
+  Renderer& renderer = rendererFor(wanted.width, wanted.height, wanted.moving);
+  std::vector<double> key = keyOf(clay, snapshot, settings, wanted);
+  if (&renderer == drawn_ && key == drawn_key_) return;
+  drawn_ = &renderer;
+  drawn_key_ = std::move(key);
+  recorder.stage("picture: surface");
+  const SurfaceBuffers surface = recordSurface(recorder, clay, snapshot.clay_serial, wanted.moving);
+  Scene scene = sceneOf(clay, snapshot, settings, workspace_from_hand);
+  scene.meshes.push_back({.surface = surface});
+  drawn_->record(recorder, scene, wanted.view);
+}
+
+Scene Stage::sceneOf(const Session::ClayOnDevice& clay, const Snapshot& snapshot,
+                     const StudioSettings& settings, const std::optional<Pose>& workspace_from_hand) {
+  const Workspace& workspace = session_.rig().workspace;
   Scene scene;
   scene.workspace = workspace;
   scene.ground_z_m = ground_z_m_;
-  scene.meshes.push_back({.surface = surface_->surface()});
   if (workspace_from_hand) {
     scene.hand = hand_.at(*workspace_from_hand);
     if (snapshot.trust != HandTrust::kTracking) scene.hand->opacity *= 0.5;
@@ -95,7 +139,13 @@ void Stage::record(Recorder& recorder, const Session::ClayOnDevice& clay, const 
     scene.strokes.push_back(cameraFrusta(session_.rig(), workspace.edge_m / 6));
   }
   if (settings.show_cage) {
-    SceneStrokes cage = meshEdges(clay.clay.cage(), workspace);
+    if (cage_form_serial_ != clay.form_serial) {
+      cage_edges_ = Buffer<std::uint32_t>(gpu_, edgeEnds(clay.form.cage.faces));
+      cage_form_serial_ = clay.form_serial;
+    }
+    SceneStrokes cage;
+    cage.points = &clay.clay.controlPoints();
+    cage.indices = &cage_edges_;
     cage.hidden = 0.3;
     scene.strokes.push_back(std::move(cage));
   }
@@ -108,7 +158,7 @@ void Stage::record(Recorder& recorder, const Session::ClayOnDevice& clay, const 
   }
   if (settings.show_skeleton && workspace_from_hand)
     scene.capsules = skeletonCapsules(session_.hand(), *workspace_from_hand);
-  drawn_->record(recorder, scene, wanted.view);
+  return scene;
 }
 
 std::vector<std::pair<Vec2, Vec2>> Stage::outline(std::size_t camera, const Pose& world_from_hand) const {

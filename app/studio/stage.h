@@ -15,18 +15,18 @@ namespace airclay {
 struct StagePicture {
   View view;
   int width = 0, height = 0;  ///< of the window, pixels
-  bool moving = false;        ///< something changes from picture to picture
+  bool moving = false;        ///< something changes from picture to picture: a software device saves detail
 };
 
 class Stage {
  public:
   Stage(Gpu& gpu, const Session& session, const std::optional<TriangleMesh>& forearm);
 
-  /// Records the picture of `snapshot`; it is in picture() when the work is done. The clay may not change its
-  /// form until that is submitted. \pre the work recorded before is done
+  /// Records the picture of `snapshot`, unless the last one is like it; it is in picture() when the work is
+  /// done. The clay may not change its form until that is submitted. \pre the work recorded before is done
   void record(Recorder& recorder, const Session::ClayOnDevice& clay, const Snapshot& snapshot,
               const StudioSettings& settings, const StagePicture& wanted);
-  /// The last one; smaller than wanted where a software device draws what moves.
+  /// The last one.
   Image& picture() { return drawn_->picture(); }
 
   /// The smallest distance between the hand's skin and the clay's data points; negative: that deep inside.
@@ -39,8 +39,12 @@ class Stage {
   std::vector<std::pair<Vec2, Vec2>> outline(std::size_t camera, const Pose& world_from_hand) const;
 
  private:
+  Scene sceneOf(const Session::ClayOnDevice& clay, const Snapshot& snapshot, const StudioSettings& settings,
+                const std::optional<Pose>& workspace_from_hand);
   Renderer& rendererFor(int width, int height, bool moving);
-  void measure(const Clay& clay, const std::optional<Pose>& workspace_from_hand);
+  void measure(const Snapshot& snapshot, const std::optional<Pose>& workspace_from_hand);
+  SurfaceBuffers recordSurface(Recorder& recorder, const Session::ClayOnDevice& clay,
+                               std::uint64_t clay_serial, bool moving);
 
   /// An edge of the skin and the triangles on both sides.
   struct SkinEdge {
@@ -53,8 +57,15 @@ class Stage {
   std::vector<SkinEdge> skin_edges_;
   std::array<std::unique_ptr<Renderer>, 2> renderers_;  ///< for what rests, and for what moves
   Renderer* drawn_ = nullptr;                           ///< the one of the last picture
-  std::unique_ptr<DisplaySurface> surface_;
-  std::uint64_t form_serial_ = 0;
+  std::vector<double> drawn_key_;                       ///< all that the last picture depends on
+  /// The clay as it is drawn, and of what clay it was evaluated last.
+  struct DrawnClay {
+    std::unique_ptr<DisplaySurface> surface;
+    std::uint64_t form_serial = 0, clay_serial = 0;
+  };
+  std::array<DrawnClay, 2> clays_;  ///< for what rests, and for what moves
+  Buffer<std::uint32_t> cage_edges_;
+  std::uint64_t cage_form_serial_ = 0;
   double ground_z_m_ = 0;
   std::optional<double> gap_m_;
   Vec3 clay_center_ = Vec3::Zero();

@@ -22,6 +22,9 @@ constexpr double kNoteSeconds = 4, kLogSeconds = 1;
 constexpr double kTurnRadS = 1.2;       // of the clay and the mouse's hand, while a key is held
 constexpr double kMovingSeconds = 0.5;  // after the last frame, key or mouse
 constexpr double kQuietPictureS = 0.2;  // between pictures when nothing happens
+constexpr double kMovingPictureS = 1.0 / 60;
+// While frames come in, they make the pictures: others would only hold them up.
+constexpr double kFlowingS = 0.15, kFlowingPictureS = 0.1;
 
 double secondsBetween(Clock::time_point from, Clock::time_point to) {
   return std::chrono::duration<double>(to - from).count();
@@ -65,8 +68,10 @@ class Studio {
   void run() {
     while (!window_.closing()) {
       if (session_.pipelineFailed()) break;
-      window_.poll(pollSeconds(session_.snapshot()));
+      window_.poll(secondsToPicture(session_.snapshot()));
       const Snapshot snapshot = session_.snapshot();  // a new frame may have ended the wait
+      const bool waits = framesFlow() || !window_.inUse();
+      if (waits && secondsToPicture(snapshot) > 0 && !window_.closing()) continue;
       for (const std::filesystem::path& file : window_.takeDropped()) openDropped(file);
       drawPicture(snapshot);
       writeLog(snapshot);
@@ -93,40 +98,49 @@ class Studio {
 
   /// A picture is drawn for every new frame and while something is being done, and now and then otherwise. A
   /// new frame ends the wait.
-  double pollSeconds(const Snapshot& snapshot) const {
+  double secondsToPicture(const Snapshot& snapshot) const {
     const bool new_frame = session_.hasRecording() && snapshot.serial != drawn_serial_;
     if (new_frame) return 0;
-    const double interval = moving() && !session_.hasRecording() ? 1.0 / 60 : kQuietPictureS;
+    const double interval = framesFlow() ? kFlowingPictureS : moving() ? kMovingPictureS : kQuietPictureS;
     return std::clamp(interval - secondsBetween(last_picture_, Clock::now()), 0.0, interval);
   }
+  bool framesFlow() const { return secondsBetween(last_frame_, Clock::now()) < kFlowingS; }
   bool moving() const { return secondsBetween(last_change_, Clock::now()) < kMovingSeconds; }
 
   void drawPicture(const Snapshot& snapshot) {
-    if (!window_.begin()) {
+    const Window::Begun begun = window_.begin(framesFlow());
+    if (begun == Window::Begun::kNothing) {
+      session_.pictureSubmitted(snapshot.serial);
       std::this_thread::sleep_for(std::chrono::milliseconds(20));  // minimised
       return;
     }
-    const double step_s = std::min(secondsBetween(last_picture_, Clock::now()), 0.1);
+    if (begun == Window::Begun::kInterface) drawInterface(snapshot);
     last_picture_ = Clock::now();
-    takeInput(step_s);
+    session_.withClay([&](const Session::ClayOnDevice& clay) {
+      recorder_.begin();
+      stage_.record(recorder_, clay, snapshot, settings_,
+                    {view_.view(), window_.width(), window_.height(), moving()});
+      window_.draw(recorder_, stage_.picture(), panels_.insets());
+    });
+    session_.pictureSubmitted(snapshot.serial);
+    window_.show();
+    recorder_.wait();
+    std::optional<double> latency_ms;
+    if (snapshot.serial != drawn_serial_ && snapshot.world_from_hand)
+      latency_ms = 1000 * secondsBetween(snapshot.captured_at, Clock::now());
+    if (session_.hasRecording() && snapshot.serial != drawn_serial_)
+      last_change_ = last_frame_ = Clock::now();
+    drawn_serial_ = snapshot.serial;
+    meter_.shown(latency_ms);
+  }
+
+  void drawInterface(const Snapshot& snapshot) {
+    takeInput(std::min(secondsBetween(last_picture_, Clock::now()), 0.1));
     const PanelWishes wishes = panels_.draw(snapshot, stage_, meter_);
     grant(wishes);
     chooser_.draw();
     if (show_help_) show_help_ = drawHelp(keys_);
     drawNotes();
-    session_.withClay([&](const Session::ClayOnDevice& clay) {
-      recorder_.begin();
-      stage_.record(recorder_, clay, snapshot, settings_,
-                    {view_.view(), window_.width(), window_.height(), moving()});
-      window_.present(recorder_, stage_.picture(), panels_.insets());
-    });
-    recorder_.wait();
-    std::optional<double> latency_ms;
-    if (snapshot.serial != drawn_serial_ && snapshot.world_from_hand)
-      latency_ms = 1000 * secondsBetween(snapshot.captured_at, Clock::now());
-    if (session_.hasRecording() && snapshot.serial != drawn_serial_) last_change_ = Clock::now();
-    drawn_serial_ = snapshot.serial;
-    meter_.shown(latency_ms);
   }
 
   // --- input ---
@@ -359,7 +373,7 @@ class Studio {
   std::ofstream log_;
   bool show_help_ = false, turning_clay_ = false, paused_ = false;
   std::uint64_t drawn_serial_ = 0;
-  Clock::time_point last_change_ = Clock::now(), last_picture_ = Clock::now(), last_log_{};
+  Clock::time_point last_change_ = Clock::now(), last_picture_ = Clock::now(), last_frame_{}, last_log_{};
 };
 
 void runStudio(Gpu& gpu, const Session::Options& session, Document document, const StudioOptions& options) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "engine/error.h"
+#include "engine/gpu/image.h"
 
 namespace airclay {
 namespace {
@@ -100,6 +101,7 @@ void Swapchain::resize(std::uint32_t width, std::uint32_t height) {
   info.imageExtent = extent_;
   info.imageArrayLayers = 1;
   info.imageUsage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+  if (gpu_.isCpu()) info.imageUsage |= VK_IMAGE_USAGE_TRANSFER_SRC_BIT;  // the interface is kept from them
   info.preTransform = can.currentTransform;
   info.compositeAlpha = VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR;
   info.presentMode = VK_PRESENT_MODE_FIFO_KHR;
@@ -118,12 +120,7 @@ void Swapchain::resize(std::uint32_t width, std::uint32_t height) {
   for (VkImage image : images) {
     Shown& shown = images_.emplace_back();
     shown.image = image;
-    VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
-    view.image = image;
-    view.viewType = VK_IMAGE_VIEW_TYPE_2D;
-    view.format = kFormat;
-    view.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
-    check(vkCreateImageView(gpu_.device(), &view, nullptr, &shown.view), "make an image's view");
+    shown.view = makeImageView(gpu_, image, kFormat, VK_IMAGE_ASPECT_COLOR_BIT);
     VkFramebufferCreateInfo framebuffer{VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO};
     framebuffer.renderPass = render_pass_;
     framebuffer.attachmentCount = 1;

@@ -7,6 +7,7 @@
 #include <imgui/backends/imgui_impl_vulkan.h>
 #include <imgui/imgui.h>
 
+#include <chrono>
 #include <cstdlib>
 #include <set>
 
@@ -17,6 +18,9 @@
 
 namespace airclay {
 namespace {
+
+/// The interface is drawn so often at least; figures that change faster cannot be read.
+constexpr auto kInterfaceStays = std::chrono::milliseconds(100);
 
 std::string last_glfw_fault;
 
@@ -86,31 +90,17 @@ class KeyEvents {
 };
 
 void transition(VkCommandBuffer commands, VkImage image, VkImageLayout from, VkImageLayout to) {
-  VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
-  barrier.srcStageMask = barrier.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
-  barrier.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
-  barrier.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
-  barrier.oldLayout = from;
-  barrier.newLayout = to;
-  barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
-  barrier.image = image;
-  barrier.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
-  VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
-  dependency.imageMemoryBarrierCount = 1;
-  dependency.pImageMemoryBarriers = &barrier;
-  vkCmdPipelineBarrier2(commands, &dependency);
+  recordLayout(commands, image, VK_IMAGE_ASPECT_COLOR_BIT, from, to);
 }
 
+/// Where the window has just grown, the picture is that of the size before.
 void fillWith(VkCommandBuffer commands, Image& picture, VkImage image, VkExtent2D extent) {
   picture.transition(commands, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, true);
-  VkImageBlit region{};
+  VkImageCopy region{};
   region.srcSubresource = region.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-  region.srcOffsets[1] = {static_cast<int>(picture.width()), static_cast<int>(picture.height()), 1};
-  region.dstOffsets[1] = {static_cast<int>(extent.width), static_cast<int>(extent.height), 1};
-  const bool same = picture.width() == extent.width && picture.height() == extent.height;
-  vkCmdBlitImage(commands, picture.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, image,
-                 VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region,
-                 same ? VK_FILTER_NEAREST : VK_FILTER_LINEAR);
+  region.extent = {std::min(picture.width(), extent.width), std::min(picture.height(), extent.height), 1};
+  vkCmdCopyImage(commands, picture.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, image,
+                 VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
 }
 
 void lay(VkCommandBuffer commands, const Inset& inset, VkImage image, VkExtent2D extent) {
@@ -125,6 +115,52 @@ void lay(VkCommandBuffer commands, const Inset& inset, VkImage image, VkExtent2D
   region.imageExtent = {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), 1};
   vkCmdCopyBufferToImage(commands, inset.pixels->raw().handle(), image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
                          1, &region);
+}
+
+/// What the interface covers: a rectangle for each of its windows, and each inset.
+std::vector<VkRect2D> coveredBy(const ImDrawData& interface, std::span<const Inset> insets,
+                                VkExtent2D extent) {
+  std::vector<VkRect2D> covered;
+  const auto add = [&](float left, float top, float right, float bottom) {
+    const auto within = [](float value, std::uint32_t most) {
+      return static_cast<int>(std::clamp(value, 0.0f, static_cast<float>(most)));
+    };
+    const int x = within(std::floor(left), extent.width), y = within(std::floor(top), extent.height);
+    const int width = within(std::ceil(right), extent.width) - x,
+              height = within(std::ceil(bottom), extent.height) - y;
+    if (width <= 0 || height <= 0) return;
+    covered.push_back({{x, y}, {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height)}});
+  };
+  for (const Inset& inset : insets)
+    add(static_cast<float>(inset.left), static_cast<float>(inset.top),
+        static_cast<float>(inset.left + inset.width), static_cast<float>(inset.top + inset.height));
+  for (int i = 0; i < interface.CmdListsCount; ++i) {
+    const ImVector<ImDrawVert>& vertices = interface.CmdLists[i]->VtxBuffer;
+    if (vertices.empty()) continue;
+    ImVec2 low = vertices[0].pos, high = low;
+    for (const ImDrawVert& vertex : vertices) {
+      low = {std::min(low.x, vertex.pos.x), std::min(low.y, vertex.pos.y)};
+      high = {std::max(high.x, vertex.pos.x), std::max(high.y, vertex.pos.y)};
+    }
+    add(low.x, low.y, high.x, high.y);
+  }
+  return covered;
+}
+
+/// Copies rectangles to where they are in the other image.
+void copyParts(VkCommandBuffer commands, VkImage from, VkImage to, std::span<const VkRect2D> parts) {
+  std::vector<VkImageCopy> regions;
+  for (const VkRect2D& part : parts) {
+    VkImageCopy region{};
+    region.srcSubresource = region.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+    region.srcOffset = region.dstOffset = {part.offset.x, part.offset.y, 0};
+    region.extent = {part.extent.width, part.extent.height, 1};
+    regions.push_back(region);
+  }
+  if (regions.empty()) return;
+  vkCmdCopyImage(commands, from, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, to,
+                 VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, static_cast<std::uint32_t>(regions.size()),
+                 regions.data());
 }
 
 }  // namespace
@@ -153,6 +189,16 @@ struct Window::Parts {
   std::vector<std::filesystem::path> dropped;
   KeyEvents keys;
   double scale = 1;
+  Image kept;  ///< the interface as it was drawn last; its corners show that picture
+  std::vector<VkRect2D> kept_parts;
+  bool draws_interface = true;  ///< in this picture
+  bool used = true;             ///< mouse or keyboard, since the interface was drawn last
+  int held = 0;                 ///< keys and buttons that are down
+  std::chrono::steady_clock::time_point interface_at{};
+
+  void drawInterface(VkCommandBuffer commands, std::span<const Inset> insets);
+  void keepInterface(VkCommandBuffer commands, std::span<const Inset> insets);
+  void layInterface(VkCommandBuffer commands);
 
   VkExtent2D pixels() const {
     int width = 0, height = 0;
@@ -167,11 +213,9 @@ struct Window::Parts {
     if (!window) refuseToOpen();
     glfwSetWindowSizeLimits(window, 640, 400, GLFW_DONT_CARE, GLFW_DONT_CARE);
     glfwSetWindowUserPointer(window, this);
-    glfwSetFramebufferSizeCallback(window, [](GLFWwindow* w, int, int) {
-      static_cast<Parts*>(glfwGetWindowUserPointer(w))->changed = true;
-    });
+    glfwSetFramebufferSizeCallback(window, [](GLFWwindow* w, int, int) { of(w).changed = true; });
     glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
-      auto& files = static_cast<Parts*>(glfwGetWindowUserPointer(w))->dropped;
+      auto& files = of(w).dropped;
       files.insert(files.end(), paths, paths + count);
     });
     float horizontal = 1, vertical = 1;
@@ -188,16 +232,37 @@ struct Window::Parts {
     const VkExtent2D size = pixels();
     if (size.width == 0 || size.height == 0) return;
     swapchain->resize(size.width, size.height);
+    kept = {};
     changed = false;
   }
 
+  static Parts& of(GLFWwindow* window) { return *static_cast<Parts*>(glfwGetWindowUserPointer(window)); }
+  void use(int action) {
+    used = true;
+    held = std::max(0, held + (action == GLFW_PRESS) - (action == GLFW_RELEASE));
+  }
+  /// Dear ImGui's own callbacks call these. \pre before it starts
+  void watchInput() {
+    glfwSetCursorPosCallback(window, [](GLFWwindow* w, double, double) { of(w).used = true; });
+    glfwSetScrollCallback(window, [](GLFWwindow* w, double, double) { of(w).used = true; });
+    glfwSetCharCallback(window, [](GLFWwindow* w, unsigned) { of(w).used = true; });
+    glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int, int action, int) { of(w).use(action); });
+  }
+  bool inUse() const { return used || held > 0 || keys.waiting(); }
+  bool interfaceStays() const {
+    return gpu.isCpu() && kept.handle() && !inUse() &&
+           std::chrono::steady_clock::now() - interface_at < kInterfaceStays;
+  }
+
   void startToolkit() {
+    watchInput();
     context = ImGui::CreateContext();
     ImGui::GetIO().IniFilename = nullptr;  // what is remembered, the studio's settings remember
     dressUp(scale);
     toolkit_on_window = ImGui_ImplGlfw_InitForVulkan(window, true);
     glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int scancode, int action, int modifiers) {
-      static_cast<Parts*>(glfwGetWindowUserPointer(w))->keys.add(key, scancode, action, modifiers);
+      of(w).use(action);
+      of(w).keys.add(key, scancode, action, modifiers);
     });
     descriptors = makeDescriptorPool(gpu);
     ImGui_ImplVulkan_InitInfo info{};
@@ -235,6 +300,10 @@ void Window::poll(double wait_s) {
     glfwPollEvents();
 }
 
+bool Window::inUse() const {
+  return parts_->inUse();
+}
+
 bool Window::closing() const {
   return glfwWindowShouldClose(parts_->window);
 }
@@ -258,47 +327,80 @@ std::pair<int, int> Window::sizeOnScreen() const {
   return {width, height};
 }
 
-bool Window::begin() {
+Window::Begun Window::begin(bool interface_may_stay) {
   const VkExtent2D size = parts_->pixels();
-  if (size.width == 0 || size.height == 0) return false;
+  if (size.width == 0 || size.height == 0) return Begun::kNothing;
   if (parts_->changed) parts_->fit();
   parts_->target = parts_->swapchain->acquire();
   if (!parts_->target) {
     parts_->fit();
     parts_->target = parts_->swapchain->acquire();
-    if (!parts_->target) return false;  // it changes again: the next picture
+    if (!parts_->target) return Begun::kNothing;  // it changes again: the next picture
   }
+  parts_->draws_interface = !interface_may_stay || !parts_->interfaceStays();
+  if (!parts_->draws_interface) return Begun::kPicture;
+  parts_->used = false;
+  parts_->interface_at = std::chrono::steady_clock::now();
   parts_->keys.handOn(parts_->window);
   ImGui_ImplVulkan_NewFrame();
   ImGui_ImplGlfw_NewFrame();
   ImGui::NewFrame();
-  return true;
+  return Begun::kInterface;
 }
 
-void Window::present(Recorder& recorder, Image& picture, std::span<const Inset> insets) {
-  ImGui::Render();
+/// Over what is in the window's image already. \post it can be shown
+void Window::Parts::drawInterface(VkCommandBuffer commands, std::span<const Inset> insets) {
+  const VkExtent2D extent = swapchain->extent();
+  if (!insets.empty())
+    transition(commands, target->image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+               VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+  for (const Inset& inset : insets) lay(commands, inset, target->image, extent);
+  transition(commands, target->image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+             VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
+  VkRenderPassBeginInfo pass{VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO};
+  pass.renderPass = swapchain->renderPass();
+  pass.framebuffer = target->framebuffer;
+  pass.renderArea.extent = extent;
+  vkCmdBeginRenderPass(commands, &pass, VK_SUBPASS_CONTENTS_INLINE);
+  ImGui_ImplVulkan_RenderDrawData(ImGui::GetDrawData(), commands);
+  vkCmdEndRenderPass(commands);
+}
+
+/// Keeps the interface that was just drawn.
+void Window::Parts::keepInterface(VkCommandBuffer commands, std::span<const Inset> insets) {
+  const VkExtent2D extent = swapchain->extent();
+  if (!kept.handle()) kept = Image(gpu, ImageKind::kScreen, extent.width, extent.height);
+  kept_parts = coveredBy(*ImGui::GetDrawData(), insets, extent);
+  kept.transition(commands, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, false);
+  transition(commands, target->image, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+  copyParts(commands, target->image, kept.handle(), kept_parts);
+  transition(commands, target->image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR);
+}
+
+/// The kept one, over what is in the window's image already. \post it can be shown
+void Window::Parts::layInterface(VkCommandBuffer commands) {
+  kept.transition(commands, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, true);
+  transition(commands, target->image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+             VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+  copyParts(commands, kept.handle(), target->image, kept_parts);
+  transition(commands, target->image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR);
+}
+
+void Window::draw(Recorder& recorder, Image& picture, std::span<const Inset> insets) {
   const Swapchain::Target target = *parts_->target;
-  const VkExtent2D extent = parts_->swapchain->extent();
   std::vector<Access> accesses;
   for (const Inset& inset : insets) accesses.push_back({inset.pixels->raw().address(), true, false});
   recorder.stage("picture: window");
   VkCommandBuffer commands = recorder.commandsFor("window", accesses);
   transition(commands, target.image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-  fillWith(commands, picture, target.image, extent);
-  if (!insets.empty())
-    transition(commands, target.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
-               VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-  for (const Inset& inset : insets) lay(commands, inset, target.image, extent);
-  transition(commands, target.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
-             VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
-
-  VkRenderPassBeginInfo pass{VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO};
-  pass.renderPass = parts_->swapchain->renderPass();
-  pass.framebuffer = target.framebuffer;
-  pass.renderArea.extent = extent;
-  vkCmdBeginRenderPass(commands, &pass, VK_SUBPASS_CONTENTS_INLINE);
-  ImGui_ImplVulkan_RenderDrawData(ImGui::GetDrawData(), commands);
-  vkCmdEndRenderPass(commands);
+  fillWith(commands, picture, target.image, parts_->swapchain->extent());
+  if (parts_->draws_interface) {
+    ImGui::Render();
+    parts_->drawInterface(commands, insets);
+    if (parts_->gpu.isCpu()) parts_->keepInterface(commands, insets);
+  } else {
+    parts_->layInterface(commands);
+  }
 
   VkSemaphoreSubmitInfo ready{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO};
   ready.semaphore = target.ready;
@@ -306,7 +408,10 @@ void Window::present(Recorder& recorder, Image& picture, std::span<const Inset> 
   VkSemaphoreSubmitInfo drawn = ready;
   drawn.semaphore = target.drawn;
   recorder.submit(&ready, &drawn);
-  if (!parts_->swapchain->show(target)) parts_->changed = true;
+}
+
+void Window::show() {
+  if (!parts_->swapchain->show(*parts_->target)) parts_->changed = true;
 }
 
 }  // namespace airclay

@@ -2,7 +2,9 @@
 // A window on the display (GLFW) that shows the engine's pictures, with Dear ImGui over them.
 //
 // The picture is drawn offscreen by engine/renderer.h and copied into the window's image; Dear ImGui 1.86
-// draws over it in the one VkRenderPass that there is.
+// draws over it in the one VkRenderPass that there is. On a software device that costs as much as tracking a
+// quarter of a frame, so between pictures that follow each other quickly the interface is kept, unless it is
+// in use.
 #pragma once
 
 #include <filesystem>
@@ -41,6 +43,8 @@ class Window {
 
   /// Handles what has happened, waiting for it for up to `wait_s`.
   void poll(double wait_s);
+  /// Whether the mouse or the keyboard has done something that no interface has seen yet, or a key is down.
+  bool inUse() const;
   /// The user wants it closed.
   bool closing() const;
   void close();
@@ -52,12 +56,19 @@ class Window {
   /// In screen units, to be remembered.
   std::pair<int, int> sizeOnScreen() const;
 
-  /// Begins a picture and its interface: ImGui calls may follow. False while there is nothing to draw on.
-  bool begin();
-  /// Ends both: `picture` fills the window, `insets` lie on it, the interface over all. Submits what
-  /// `recorder` has, and returns without waiting for it. \pre begin() was true; the recorder's commands draw
-  /// `picture`
-  void present(Recorder& recorder, Image& picture, std::span<const Inset> insets);
+  enum class Begun {
+    kNothing,    ///< there is nothing to draw on
+    kPicture,    ///< the interface stays as it is
+    kInterface,  ///< a picture with its interface: ImGui calls may follow
+  };
+  /// Begins a picture. `interface_may_stay`: one follows the other quickly, and it need not be drawn in each.
+  Begun begin(bool interface_may_stay);
+  /// Ends it: `picture` (ImageKind::kScreen) fills the window, `insets` lie on it, the interface over all.
+  /// Submits what `recorder` has, and returns without waiting for it. \pre begin() gave something; the
+  /// recorder's commands draw `picture`
+  void draw(Recorder& recorder, Image& picture, std::span<const Inset> insets);
+  /// Shows what was drawn; a software device is waited for. \pre draw()
+  void show();
 
  private:
   struct Parts;

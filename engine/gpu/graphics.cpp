@@ -171,7 +171,7 @@ void RawGraphicsPipeline::make(const GraphicsShaders& shaders, const GraphicsOpt
   VkPipelineDynamicStateCreateInfo dynamic{VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO};
   dynamic.dynamicStateCount = 2;
   dynamic.pDynamicStates = dynamic_states;
-  const VkFormat color_format = formatOf(ImageKind::kColor);
+  const VkFormat color_format = formatOf(options.color_kind);
   VkPipelineRenderingCreateInfo rendering{VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO};
   rendering.colorAttachmentCount = options.has_color;
   rendering.pColorAttachmentFormats = &color_format;

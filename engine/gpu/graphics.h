@@ -33,6 +33,7 @@ struct GraphicsOptions {
   bool depth_write = true;  ///< only with depth_test
   Blend blend = Blend::kOpaque;
   bool has_color = true, has_depth = true;  ///< what the pass draws into; a shadow map has no colour
+  ImageKind color_kind = ImageKind::kColor;
   std::uint32_t samples = kSamples;
   /// Pushes surfaces back: constant (in units of the depth's resolution) and by slope. For shadow maps.
   float depth_bias = 0, depth_bias_slope = 0;

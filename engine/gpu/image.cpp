@@ -8,7 +8,43 @@
 namespace airclay {
 
 VkFormat formatOf(ImageKind kind) {
-  return kind == ImageKind::kColor ? VK_FORMAT_R8G8B8A8_SRGB : VK_FORMAT_D32_SFLOAT;
+  switch (kind) {
+    case ImageKind::kColor:
+      return VK_FORMAT_R8G8B8A8_SRGB;
+    case ImageKind::kScreen:
+      return VK_FORMAT_B8G8R8A8_SRGB;
+    case ImageKind::kDepth:
+      break;
+  }
+  return VK_FORMAT_D32_SFLOAT;
+}
+
+VkImageView makeImageView(Gpu& gpu, VkImage image, VkFormat format, VkImageAspectFlags aspect) {
+  VkImageViewCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
+  info.image = image;
+  info.viewType = VK_IMAGE_VIEW_TYPE_2D;
+  info.format = format;
+  info.subresourceRange = {aspect, 0, 1, 0, 1};
+  VkImageView view = VK_NULL_HANDLE;
+  check(vkCreateImageView(gpu.device(), &info, nullptr, &view), "make an image's view");
+  return view;
+}
+
+void recordLayout(VkCommandBuffer commands, VkImage image, VkImageAspectFlags aspect, VkImageLayout from,
+                  VkImageLayout to) {
+  VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
+  barrier.srcStageMask = barrier.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+  barrier.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
+  barrier.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
+  barrier.oldLayout = from;
+  barrier.newLayout = to;
+  barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+  barrier.image = image;
+  barrier.subresourceRange = {aspect, 0, 1, 0, 1};
+  VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+  dependency.imageMemoryBarrierCount = 1;
+  dependency.pImageMemoryBarriers = &barrier;
+  vkCmdPipelineBarrier2(commands, &dependency);
 }
 
 Image::Image(Gpu& gpu, ImageKind kind, std::uint32_t width, std::uint32_t height, std::uint32_t samples)
@@ -30,14 +66,14 @@ Image::Image(Gpu& gpu, ImageKind kind, std::uint32_t width, std::uint32_t height
   info.extent = {width, height, 1};
   info.mipLevels = info.arrayLayers = 1;
   info.samples = static_cast<VkSampleCountFlagBits>(samples);
-  if (kind == ImageKind::kColor && samples == 1) {
+  const bool is_depth = kind == ImageKind::kDepth;
+  if (!is_depth && samples == 1) {
     // as bytes for whoever copies it, through an sRGB view for whoever draws into it
-    info.format = VK_FORMAT_R8G8B8A8_UNORM;
+    info.format = kind == ImageKind::kColor ? VK_FORMAT_R8G8B8A8_UNORM : VK_FORMAT_B8G8R8A8_UNORM;
     info.flags = VK_IMAGE_CREATE_MUTABLE_FORMAT_BIT;
   }
-  info.usage = kind == ImageKind::kColor ? VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT
-                                         : VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT;
-  if (samples == 1) info.usage |= VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
+  info.usage = is_depth ? VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT : VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
+  if (samples == 1) info.usage |= VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
   check(vkCreateImage(gpu.device(), &info, nullptr, &image_), "make an image");
 
   VkMemoryRequirements requirements;
@@ -49,12 +85,7 @@ Image::Image(Gpu& gpu, ImageKind kind, std::uint32_t width, std::uint32_t height
   check(vkAllocateMemory(gpu.device(), &allocation, nullptr, &memory_), "take memory for an image");
   check(vkBindImageMemory(gpu.device(), image_, memory_, 0), "bind an image's memory");
 
-  VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
-  view.image = image_;
-  view.viewType = VK_IMAGE_VIEW_TYPE_2D;
-  view.format = formatOf(kind);
-  view.subresourceRange = {aspect(), 0, 1, 0, 1};
-  check(vkCreateImageView(gpu.device(), &view, nullptr, &view_), "make an image's view");
+  view_ = makeImageView(gpu, image_, formatOf(kind), aspect());
 }
 
 Image::~Image() {
@@ -77,25 +108,25 @@ void Image::swap(Image& other) noexcept {
 }
 
 VkImageAspectFlags Image::aspect() const {
-  return kind_ == ImageKind::kColor ? VK_IMAGE_ASPECT_COLOR_BIT : VK_IMAGE_ASPECT_DEPTH_BIT;
+  return kind_ == ImageKind::kDepth ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
 }
 
 void Image::transition(VkCommandBuffer commands, VkImageLayout layout, bool keep) {
-  VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
-  barrier.srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
-  barrier.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
-  barrier.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
-  barrier.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
-  barrier.oldLayout = keep ? layout_ : VK_IMAGE_LAYOUT_UNDEFINED;
-  barrier.newLayout = layout;
-  barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
-  barrier.image = image_;
-  barrier.subresourceRange = {aspect(), 0, 1, 0, 1};
-  VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
-  dependency.imageMemoryBarrierCount = 1;
-  dependency.pImageMemoryBarriers = &barrier;
-  vkCmdPipelineBarrier2(commands, &dependency);
+  recordLayout(commands, image_, aspect(), keep ? layout_ : VK_IMAGE_LAYOUT_UNDEFINED, layout);
   layout_ = layout;
+}
+
+void copyImage(Recorder& recorder, Image& from, Image& to) {
+  if (from.kind() != to.kind() || from.width() != to.width() || from.height() != to.height())
+    throw Error("an image is copied to one of another kind or size", Fault::kDevice);
+  VkCommandBuffer commands = recorder.commandsFor("copy picture", {});
+  from.transition(commands, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, true);
+  to.transition(commands, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, false);
+  VkImageCopy region{};
+  region.srcSubresource = region.dstSubresource = {from.aspect(), 0, 0, 1};
+  region.extent = {from.width(), from.height(), 1};
+  vkCmdCopyImage(commands, from.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, to.handle(),
+                 VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
 }
 
 void copyToBuffer(Recorder& recorder, Image& image, const RawBuffer& buffer, std::uint64_t offset) {

@@ -8,11 +8,19 @@
 namespace airclay {
 
 enum class ImageKind {
-  kColor,  ///< 8 bits a channel, red first; shaders write linear light, memory and copies hold sRGB
-  kDepth,  ///< 32-bit float, 0 near, 1 far
+  kColor,   ///< 8 bits a channel, red first; shaders write linear light, memory and copies hold sRGB
+  kScreen,  ///< the same, blue first: what a window's image is a plain copy of
+  kDepth,   ///< 32-bit float, 0 near, 1 far
 };
 
 VkFormat formatOf(ImageKind kind);
+
+/// A view of a plane image, whoever owns it.
+VkImageView makeImageView(Gpu& gpu, VkImage image, VkFormat format, VkImageAspectFlags aspect);
+/// Records a barrier that also takes an image from one layout to another. Everything before is done then, and
+/// all of it can be read.
+void recordLayout(VkCommandBuffer commands, VkImage image, VkImageAspectFlags aspect, VkImageLayout from,
+                  VkImageLayout to);
 
 /// Edges are drawn with this many samples a pixel: the most that every Vulkan device has.
 inline constexpr std::uint32_t kSamples = 4;
@@ -54,8 +62,12 @@ class Image {
   VkImageView view_ = VK_NULL_HANDLE;
   VkImageLayout layout_ = VK_IMAGE_LAYOUT_UNDEFINED;
 
+  friend void copyImage(Recorder& recorder, Image& from, Image& to);
   friend void copyToBuffer(Recorder& recorder, Image& image, const RawBuffer& buffer, std::uint64_t offset);
 };
+
+/// Copies an image of one sample to another of the same kind and size.
+void copyImage(Recorder& recorder, Image& from, Image& to);
 
 /// Copies an image of one sample to `buffer`, `offset` bytes on: 4 bytes a pixel (red first, or a depth),
 /// row by row from the top, no padding.
