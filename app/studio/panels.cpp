@@ -251,10 +251,14 @@ void Panels::drawStages(const Snapshot& snapshot) {
   std::string words = "decode " + fixed(snapshot.decode_ms, 1);
   for (const auto& [name, ms] : snapshot.result.stage_ms) words += ", " + name + " " + fixed(ms, 1);
   if (settings_.steady && snapshot.result.fit.tracked) words += ", steady " + fixed(snapshot.steady_ms, 0);
+  const float top = ImGui::GetCursorPosY();
   ImGui::PushTextWrapPos(ImGui::GetCursorPosX() + Session::kThumbnailWidth -
                          2 * ImGui::GetStyle().WindowPadding.x);
   ImGui::TextDisabled("%s ms", words.c_str());
   ImGui::PopTextWrapPos();
+  // always three lines high, or what is below would jump with every digit
+  ImGui::SetCursorPosY(std::max(ImGui::GetCursorPosY(),
+                                top + 3 * ImGui::GetTextLineHeight() + ImGui::GetStyle().ItemSpacing.y));
 }
 
 /// The pictures themselves lie under the interface, so this panel has no ground of its own.
