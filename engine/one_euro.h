@@ -40,6 +40,8 @@ class OneEuroPose {
   /// How far the smoothed position is behind the hand, seconds: on steady motion exactly the time constant
   /// 1 / (2 pi f_c); never more than the time since the first sample. 0 before it.
   double latencyS() const;
+  /// How fast the hand moves, as the filter believes it.
+  double speedMetresS() const { return last_ ? last_->velocity_m_s.norm() : 0; }
   /// The same of the rotation.
   double turnLatencyS() const;
 

@@ -13,14 +13,12 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "capture/picture_file.h"
-#include "capture/synthetic.h"
 #include "engine/mesh_file.h"
 #include "engine/presets.h"
 #include "tests/desktop.h"
 #include "tests/documents.h"
-#include "tests/gpu_fixture.h"
 #include "tests/program.h"
+#include "tests/small_take.h"
 
 namespace airclay {
 namespace {
@@ -352,43 +350,8 @@ TEST_F(Studio, FilesThatCannotBeCostNothing) {
   EXPECT_EQ(namesOf(Document::open(other)), (Words{"New tube", "Push", ">Push"}));
 }
 
-/// A recording of a hand that comes to the tube's side, presses it in and goes away: small pictures, few.
-/// Returns how many frames.
-int writeTake(const fs::path& folder) {
-  SyntheticOptions options;
-  for (Camera& camera : options.rig.cameras) {
-    camera.width /= 2;
-    camera.height /= 2;
-    for (double* value : {&camera.lens.fx, &camera.lens.fy, &camera.lens.cx, &camera.lens.cy}) *value /= 2;
-  }
-  const HandScript demo = demoScript();
-  const double appears_s = 10.0 / 30;
-  options.script = HandScript(appears_s, *demo.at(appears_s + 0.8),
-                              {{0.15, *demo.at(appears_s + 0.95)},
-                               {0.45, *demo.at(appears_s + 1.55)},
-                               {0.4, *demo.at(appears_s + 2.35)}});
-  Synthetic synthetic(testGpu(), options);
-  fs::create_directories(folder);
-  writeRig(folder / "rig.toml", synthetic.rig());
-  std::vector<std::vector<std::uint8_t>> pictures;
-  for (const Camera& camera : synthetic.rig().cameras) {
-    fs::create_directories(folder / camera.name);
-    pictures.emplace_back(std::size_t(3) * std::size_t(camera.width) * std::size_t(camera.height));
-  }
-  const std::vector<std::span<std::uint8_t>> buffers(pictures.begin(), pictures.end());
-  for (int frame = 0; synthetic.readPictures(frame, buffers); ++frame)
-    for (std::size_t c = 0; c < pictures.size(); ++c) {
-      std::vector<std::uint8_t> rgba;
-      for (std::size_t i = 0; i < pictures[c].size(); i += 3)
-        rgba.insert(rgba.end(), {pictures[c][i + 2], pictures[c][i + 1], pictures[c][i], 255});
-      const Camera& camera = synthetic.rig().cameras[c];
-      writePng(folder / camera.name / (std::to_string(frame) + ".png"), {camera.width, camera.height}, rgba);
-    }
-  return synthetic.frameCount();
-}
-
 TEST_F(Studio, ATakeIsPlayedToItsEndAndAlwaysMakesTheSameClay) {
-  const int frames = writeTake(folder / "take");
+  const int frames = writeSmallTake(folder / "take");
   // Twice in the window, where pictures and frames come as they come.
   for (const char* name : {"a.clay", "b.clay"}) {
     startWithoutHint({at("take"), "--background", "10", "--save", at(name)});

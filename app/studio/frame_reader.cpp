@@ -12,7 +12,8 @@ constexpr double kSlowestPaceS = 0.1;  // a search takes longer, and says nothin
 
 }  // namespace
 
-FrameReader::FrameReader(Recording& recording) : recording_(recording), thread_([this] { run(); }) {}
+FrameReader::FrameReader(Recording& recording, bool paced)
+    : recording_(recording), paced_(paced), thread_([this] { run(); }) {}
 
 FrameReader::~FrameReader() {
   {
@@ -50,7 +51,7 @@ Clock::time_point FrameReader::due() const {
   const auto seconds = [](double s) {
     return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));
   };
-  if (next_ == 0) return Clock::now();
+  if (next_ == 0 || !paced_) return Clock::now();
   const double wait_s = busy_s_ - kReadAhead * 1e-3 * slot_decode_ms_;
   return std::max(last_captured_ + seconds(1 / recording_.rateHz()),
                   last_taken_ + seconds(std::max(0.0, wait_s)));
@@ -78,6 +79,7 @@ bool FrameReader::waitForRoom() {
 void FrameReader::read(FrameSet& set) {
   set.frame = next_;
   set.time_s = recording_.timeOf(set.frame);
+  set.camera_times_s = recording_.cameraTimesOf(set.frame);
   set.captured_at = Clock::now();
   const std::vector<Camera>& cameras = recording_.rig().cameras;
   set.bytes.resize(cameras.size());  // whoever took the last set gave another for it
@@ -89,14 +91,14 @@ void FrameReader::read(FrameSet& set) {
     recording_.readSilhouettes(set.frame, buffers);
   else
     recording_.readPictures(set.frame, buffers);
-  set.decode_ms = std::chrono::duration<double, std::milli>(Clock::now() - set.captured_at).count();
+  set.decode_ms = millisecondsSince(set.captured_at);
 }
 
 bool FrameReader::take(FrameSet& set, double wait_s) {
   std::unique_lock lock(mutex_);
   if (taker_is_busy_) {
     // back from the last one: so long it was busy
-    const double busy_s = std::chrono::duration<double>(Clock::now() - last_taken_).count();
+    const double busy_s = secondsBetween(last_taken_, Clock::now());
     busy_s_ += kPaceShare * (std::min(busy_s, kSlowestPaceS) - busy_s_);
     taker_is_busy_ = false;
   }
