@@ -178,6 +178,7 @@ class Session {
  private:
   void run();
   class Working;
+  struct Cancelled {};  ///< thrown: the person gave up on work under way
   void post(std::function<void()> command);
   void act(const Deed& deed, const std::string& what = "");
   void perform(const Deed& deed);
@@ -185,7 +186,7 @@ class Session {
   void changeForm(const Deed& deed);
   void turnClay(const Deed& deed);
   void forgetHand();
-  void learn();
+  bool learn();
   void becomeClay(const ClayState& state, const std::string& name);
   void becomeDocument(Document opened);
   void refuseWhileReplaying() const;
