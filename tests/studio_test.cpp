@@ -379,6 +379,7 @@ TEST_F(Studio, ATakeIsPlayedToItsEndAndAlwaysMakesTheSameClay) {
   const ClayState headless = Document::open(at("c.clay")).state();
   EXPECT_GT(farthestMove(headless, tubeState()), 0.005);
   EXPECT_TRUE(sameClay(headless, Document::open(at("d.clay")).state()));
+  EXPECT_TRUE(sameClay(headless, once));  // the window's own way
 }
 
 /// The folder that a recording went to, as the window said it.
@@ -542,12 +543,14 @@ TEST_F(Studio, AHandThatWasLostDoesNotTakeHoldByItself) {
   };
   desktop->keyDown("space");
   pushIn();           // which here takes hold
+  desktop->release();
   desktop->key("h");  // the hand is gone
   EXPECT_TRUE(sees(isBarred(true))) << log();
   ASSERT_TRUE(seesCounts(1, 0)) << log();
   const ClayState pulled = kept(file).state();
   desktop->key("h");  // and back, in the clay, the key still down
   EXPECT_TRUE(sees([](const json& line) { return line["hand"] == "tracking"; })) << log();
+  desktop->press();
   pullOut();
   std::this_thread::sleep_for(std::chrono::seconds(2));
   EXPECT_TRUE(seesCounts(1, 0)) << log();
