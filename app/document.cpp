@@ -9,6 +9,7 @@
 
 #include "app/clay_words.h"
 #include "app/command.h"
+#include "app/progress.h"
 #include "engine/error.h"
 #include "engine/presets.h"
 #include "engine/refine.h"
@@ -107,6 +108,7 @@ void runRefine(const DocumentOptions& options) {
   const ClayState before = document.state();
   ClayState refined;
   try {
+    const WorkProgress progress("refining", options.talks());
     refined = refine(before);
   } catch (const Error& error) {
     throw Error(options.file + ": " + error.what());

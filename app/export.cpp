@@ -8,6 +8,7 @@
 #include "app/clay_words.h"
 #include "app/command.h"
 #include "app/outputs.h"
+#include "app/progress.h"
 #include "engine/document.h"
 #include "engine/error.h"
 #include "engine/mesh_export.h"
@@ -53,9 +54,11 @@ void runExport(const ExportOptions& options) {
                 Fault::kUsage);
   meshFormatOf(options.out);
   checkWritable(options.out);
-  const ClayState clay = clayOf(options);
-  const PolygonMesh mesh = meshAtLevel(clay.cage, cage_alone ? 0 : clay.levels, clay.rule);
-  const MeshExport written = exportMesh(options.out, mesh);
+  const MeshExport written = [&] {
+    const WorkProgress progress("exporting", options.talks());
+    const ClayState clay = clayOf(options);
+    return exportMesh(options.out, meshAtLevel(clay.cage, cage_alone ? 0 : clay.levels, clay.rule));
+  }();
   if (options.json)
     printJson({{"vertices", written.vertices},
                {"faces", written.faces},

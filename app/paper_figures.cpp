@@ -304,7 +304,7 @@ constexpr double kMoments[] = {1.25, 1.6, 1.95, 2.6, 4.75, 5.4};
 /// Fig. 6: the demo's hand deforms the clay, from pixels on.
 Picture deformation(Gpu& gpu, const HandModel& hand, int voxels, const std::function<void()>& step_done) {
   Synthetic recording(gpu);
-  const ClayOptions clay{presetCage("tube")};
+  const ClayState clay{presetCage("tube")};
   Pipeline pipeline(gpu, recording.rig(), hand, {voxels}, clay);
   Player player(recording, pipeline);
   DisplaySurface surface(gpu, clay.cage, clay.rule, clay.levels, {.finer_points = 200'000});

@@ -36,7 +36,7 @@ SceneHand DrawnHand::at(const Pose& workspace_from_hand) const {
   return hand;
 }
 
-SculptPictures::SculptPictures(Gpu& gpu, const Pipeline& pipeline, const ClayOptions& clay,
+SculptPictures::SculptPictures(Gpu& gpu, const Pipeline& pipeline, const ClayState& clay,
                                const std::optional<TriangleMesh>& forearm)
     : pipeline_(pipeline),
       painter_(gpu, kSize),

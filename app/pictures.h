@@ -49,7 +49,7 @@ class SculptPictures {
   static constexpr PictureSize kSize = {960, 540};
 
   /// `pipeline` must outlive this, and was made with `clay`.
-  SculptPictures(Gpu& gpu, const Pipeline& pipeline, const ClayOptions& clay,
+  SculptPictures(Gpu& gpu, const Pipeline& pipeline, const ClayState& clay,
                  const std::optional<TriangleMesh>& forearm);
   /// The clay as it is now, the hand where there is one.
   Picture frame(const std::optional<Pose>& world_from_hand);

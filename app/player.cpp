@@ -2,9 +2,10 @@
 #include "app/player.h"
 
 #include <CLI/CLI.hpp>
-#include <chrono>
 
+#include "app/actions.h"
 #include "app/command.h"
+#include "engine/clock.h"
 #include "engine/error.h"
 
 namespace airclay {
@@ -13,10 +14,6 @@ namespace {
 RigUnits unitsOf(const std::string& word) {
   if (word == "m") return RigUnits::kMetres;
   return word == "mm" ? RigUnits::kMillimetres : RigUnits::kAsWritten;
-}
-
-double millisecondsSince(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
 }  // namespace
@@ -37,8 +34,12 @@ void addTakeOptions(CLI::App& command, TakeWords& words) {
       ->type_name("N");
 }
 
-Take TakeWords::open() const {
-  Take take(folder, {unitsOf(units), background_frames});
+Take TakeWords::open(const TakeOptions& options) const {
+  TakeOptions whole = options;
+  whole.units = unitsOf(units);
+  whole.background_frames = background_frames;
+  whole.unfinished = hasActions(folder);
+  Take take(folder, whole);
   if (take.note()) warn(*take.note());
   return take;
 }
@@ -78,8 +79,9 @@ std::optional<PlayedFrame> Player::next(const SculptControls& controls) {
   PlayedFrame played;
   played.frame = next_++;
   played.time_s = recording_.timeOf(played.frame);
+  played.skew_s = skewOf(recording_.cameraTimesOf(played.frame));
   played.background = played.frame < recording_.backgroundFrames();
-  const auto start = std::chrono::steady_clock::now();
+  const auto start = Clock::now();
   readFrame(played.frame);
   played.decode_ms = millisecondsSince(start);
   if (played.background)

@@ -19,8 +19,8 @@ struct TakeWords {
   std::string folder, units;
   int background_frames = 10;
 
-  /// Opens the take; what is unusual about it is warned of.
-  Take open() const;
+  /// Opens the take; what is unusual about it is warned of. One of our own recordings may have been cut off.
+  Take open(const TakeOptions& options = {}) const;
 };
 
 /// The take itself, --units and --background.
@@ -30,8 +30,9 @@ void addTakeOptions(CLI::App& command, TakeWords& words);
 struct PlayedFrame {
   int frame = 0;
   double time_s = 0;
-  bool background = false;  ///< it taught the empty workspace: the hand is kEmpty
-  double decode_ms = 0;     ///< file to pixels in memory
+  bool background = false;       ///< it taught the empty workspace: the hand is kEmpty
+  double decode_ms = 0;          ///< file to pixels in memory
+  std::optional<double> skew_s;  ///< the cameras'; none without times of their own
   FrameResult result;
 };
 

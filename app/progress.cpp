@@ -29,11 +29,20 @@ Progress::~Progress() {
 }
 
 void Progress::advance() {
-  if (caught_signal) throw Interrupted{caught_signal};
   ++done_;
+  show(done_ == steps_);
+}
+
+void Progress::reach(double share) {
+  done_ = static_cast<int>(share * steps_);
+  show(false);
+}
+
+void Progress::show(bool now_too) {
+  if (caught_signal) throw Interrupted{caught_signal};
   if (!shown_) return;
   const auto now = std::chrono::steady_clock::now();
-  if (now - drawn_ < std::chrono::milliseconds(50) && done_ < steps_) return;  // 20 Hz is enough for eyes
+  if (now - drawn_ < std::chrono::milliseconds(50) && !now_too) return;  // 20 Hz is enough for eyes
   drawn_ = now;
   draw();
 }

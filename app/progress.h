@@ -6,6 +6,8 @@
 #include <csignal>
 #include <string>
 
+#include "engine/long_work.h"
+
 namespace airclay {
 
 /// Ctrl-C, or the system's wish to end: what was open is closed, what was half written is gone.
@@ -26,8 +28,11 @@ class Progress {
 
   /// One step is done. \throw Interrupted
   void advance();
+  /// All steps together are done up to here, 0 to 1. \throw Interrupted
+  void reach(double share);
 
  private:
+  void show(bool now_too);
   void draw() const;
 
   std::string what_;
@@ -36,6 +41,17 @@ class Progress {
   std::chrono::steady_clock::time_point drawn_{};
   struct sigaction previous_interrupt_ {
   }, previous_end_{};
+};
+
+/// The same for work that says itself how far it is (engine/long_work.h): files, subdivision. Between two
+/// signs of life it cannot be interrupted.
+class WorkProgress : public LongWork {
+ public:
+  WorkProgress(const std::string& what, bool shown) : progress_(what, 100, shown) {}
+  void goesOn(double share) override { progress_.reach(share); }
+
+ private:
+  Progress progress_;
 };
 
 }  // namespace airclay

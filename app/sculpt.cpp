@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // `airclay sculpt` and `airclay demo`: the main job, from a recording or from the built-in cameras and hand.
+#include <unistd.h>
 #include <CLI/CLI.hpp>
 #include <ctime>
 #include <memory>
@@ -27,7 +28,9 @@ struct SculptOptions : CommonOptions {
   double size_m = 0;          ///< 0: as it comes
   std::string rig, save, log, tool = "push", symmetry;
   std::vector<std::string> cameras;
-  bool headless = false;
+  std::string record;
+  bool headless = false, unsteady = false, afresh = false;
+  std::vector<std::string> given;  ///< words on the command line that a replay has no use for
 };
 
 Vec3 placeFrom(const std::string& text) {
@@ -71,11 +74,6 @@ PolygonMesh placedCage(const SculptOptions& options, const Workspace& workspace)
   return cage;
 }
 
-ClayOptions clayOptions(const SculptOptions& options, const Workspace& workspace) {
-  return {placedCage(options, workspace), options.words.subdivisionRule(), options.words.levels,
-          options.words.solveRows()};
-}
-
 void refuseWhatComesLater(const SculptOptions& options) {
   if (!options.rig.empty() || !options.cameras.empty())
     throw Error(
@@ -96,6 +94,11 @@ SculptControls controlsFrom(const SculptOptions& options) {
     (axis == 'x' ? controls.symmetry.x : axis == 'y' ? controls.symmetry.y : controls.symmetry.z) = true;
   }
   return controls;
+}
+
+ClayState clayAtStart(const SculptOptions& options, const Workspace& workspace) {
+  return {placedCage(options, workspace), options.words.subdivisionRule(), options.words.levels,
+          options.words.solveRows()};
 }
 
 /// Where clay goes that was given no document: it is kept all the same.
@@ -124,15 +127,10 @@ Document documentFrom(const SculptOptions& options, const Workspace& workspace) 
     opened.saveAs(options.save);
     return Document::open(options.save);
   }
-  const ClayState state{placedCage(options, workspace), options.words.subdivisionRule(), options.words.levels,
-                        options.words.solveRows()};
+  const ClayState state = clayAtStart(options, workspace);
   if (!options.save.empty()) return Document::create(options.save, state, "New " + options.clay);
   makeFolder(stateFolder());
   return Document::create(unsavedFile(), state, "New " + options.clay);
-}
-
-ClayOptions clayOf(const ClayState& state) {
-  return {state.cage, state.rule, state.levels, state.solve};
 }
 
 bool wantsWindow(const SculptOptions& options) {
@@ -152,29 +150,70 @@ void sculptInWindow(Gpu& gpu, const Session::Options& session, const SculptOptio
     say(options, "the clay is kept in " + file.string());
 }
 
-void sculptTake(const SculptOptions& options) {
-  Take take = options.take.open();
+/// A document that is gone at the end: without a window nobody goes on with it.
+class PassingDocument {
+ public:
+  PassingDocument()
+      : file_(std::filesystem::temp_directory_path() / ("airclay-" + std::to_string(::getpid()) + ".clay")) {
+    std::error_code ignored;
+    std::filesystem::remove(file_, ignored);
+  }
+  ~PassingDocument() {
+    std::error_code ignored;
+    std::filesystem::remove(file_, ignored);
+  }
+  const std::filesystem::path& file() const { return file_; }
+
+ private:
+  std::filesystem::path file_;
+};
+
+/// All that window and headless runs have in common.
+struct Job {
+  Session::Options session;
   Sculpting sculpting;
-  sculpting.hand = loadHand(options.hand);
-  sculpting.controls = controlsFrom(options);
+};
+
+Job jobFor(const SculptOptions& options, Recording* recording, const Rig& rig) {
+  Job job;
+  job.sculpting.hand = loadHand(options.hand);
   if (options.hand == "right" || options.hand == "left")
-    sculpting.forearm = builtInForearm(options.hand == "left");
+    job.sculpting.forearm = builtInForearm(options.hand == "left");
   if (!options.video.empty()) {
     checkWritable(options.video);
-    sculpting.video = options.video;
+    job.sculpting.video = options.video;
   }
-  sculpting.out = options.out;
+  job.sculpting.out = options.out;
+  job.session.recording = recording;
+  job.session.rig = rig;
+  job.session.hand = job.sculpting.hand;
+  job.session.voxels = options.voxels;
+  job.session.hand_name = options.hand;
+  job.session.record = options.record;
+  return job;
+}
+
+void sculptWithout(Gpu& gpu, Job& job, const SculptOptions& options, Document document) {
+  makeFolder(options.out);
+  job.sculpting.clay = document.state();
+  job.session.settings.steady = !options.unsteady;
+  sculptHeadless(gpu, job.session, job.sculpting, controlsFrom(options), std::move(document), options);
+}
+
+void sculptTake(const SculptOptions& options) {
+  Take take = options.take.open();
+  controlsFrom(options);  // refused before anything is opened
+  Job job = jobFor(options, &take, take.rig());
   CommandGpu gpu(options);
   if (wantsWindow(options)) {
-    Session::Options session{&take, take.rig(), sculpting.hand, options.voxels, {}, {}};
-    sculptInWindow(gpu, session, options, {.forearm = sculpting.forearm, .log = options.log});
+    sculptInWindow(gpu, job.session, options, {.forearm = job.sculpting.forearm, .log = options.log});
     return;
   }
-  std::optional<Document> document;
-  if (namesDocument(options)) document = documentFrom(options, take.rig().workspace);
-  sculpting.clay = document ? clayOf(document->state()) : clayOptions(options, take.rig().workspace);
-  makeFolder(options.out);
-  sculptHeadless(gpu, take, sculpting, document ? &*document : nullptr, options);
+  const PassingDocument passing;
+  sculptWithout(gpu, job, options,
+                namesDocument(options)
+                    ? documentFrom(options, take.rig().workspace)
+                    : Document::create(passing.file(), clayAtStart(options, take.rig().workspace)));
 }
 
 /// Without cameras: mouse and keys move a hand.
@@ -183,12 +222,60 @@ void sculptByMouse(const SculptOptions& options) {
     throw Error(
         "say which recording: airclay sculpt TAKE; without one, the studio wants a display for its window",
         Fault::kUsage);
-  Session::Options session{nullptr, demoRig(), loadHand(options.hand), options.voxels, {}, {}};
-  StudioOptions studio{.log = options.log};
-  if (options.hand == "right" || options.hand == "left")
-    studio.forearm = builtInForearm(options.hand == "left");
+  const Job job = jobFor(options, nullptr, demoRig());
   CommandGpu gpu(options);
-  sculptInWindow(gpu, session, options, studio);
+  sculptInWindow(gpu, job.session, options, {.forearm = job.sculpting.forearm, .log = options.log});
+}
+
+/// The clay at the start of a recording, in a document of its own.
+Document replayDocument(const SculptOptions& options, const std::filesystem::path& file) {
+  if (std::filesystem::exists(file))
+    throw Error(file.string() +
+                ": there is a document already; a new name for what the recording makes would be right");
+  std::error_code fault;
+  std::filesystem::copy_file(std::filesystem::path(options.take.folder) / kStartFile, file, fault);
+  if (fault)
+    throw Error(options.take.folder + "/" + kStartFile + ": the clay at the start cannot be copied to " +
+                file.string() + ": " + fault.message());
+  std::filesystem::permissions(file, std::filesystem::perms::owner_write, std::filesystem::perm_options::add);
+  return Document::open(file);
+}
+
+/// What was recorded, once more: frames, wishes, clay.
+void replay(SculptOptions options) {
+  if (!options.given.empty())
+    throw Error(options.given.front() +
+                    " has no place in a replay, which knows it all; --afresh plays the pictures alone",
+                Fault::kUsage);
+  const std::filesystem::path folder = options.take.folder;
+  const Replay replay{folder, readActions(folder / kActionsFile)};
+  const ActionsHead& head = replay.actions.head;
+  if (!replay.actions.ended)
+    warn(folder.string() + ": the recording broke off; it is played as far as it goes");
+  options.voxels = head.voxels;
+  const bool built_in = head.hand == "right" || head.hand == "left";
+  options.hand = built_in ? head.hand : (folder / head.hand).string();
+  options.take.background_frames = std::max(1, head.background_frames);
+  std::optional<Take> take;
+  if (!head.by_mouse) {
+    TakeOptions excerpt;
+    excerpt.most_frames = static_cast<int>(replay.actions.steps.size());
+    take.emplace(options.take.open(excerpt));
+  }
+  Job job = jobFor(options, take ? &*take : nullptr, take ? take->rig() : readRig(folder / "rig.toml"));
+  job.session.replay = &replay;
+  CommandGpu gpu(options);
+  if (wantsWindow(options)) {
+    makeFolder(stateFolder());
+    const std::filesystem::path file = options.save.empty() ? unsavedFile().string() : options.save;
+    runStudio(gpu, job.session, replayDocument(options, file),
+              {.forearm = job.sculpting.forearm, .log = options.log});
+    say(options, "the clay is kept in " + file.string());
+    return;
+  }
+  const PassingDocument passing;
+  sculptWithout(gpu, job, options,
+                replayDocument(options, options.save.empty() ? passing.file().string() : options.save));
 }
 
 void runSculpt(const SculptOptions& options) {
@@ -197,24 +284,27 @@ void runSculpt(const SculptOptions& options) {
   checkVoxels(options.voxels);
   if (options.take.folder.empty())
     sculptByMouse(options);
+  else if (hasActions(options.take.folder) && !options.afresh)
+    replay(options);
   else
     sculptTake(options);
 }
 
 /// The same job with the window looking on: it closes at the end.
-void demoInWindow(Gpu& gpu, Recording& recording, const Sculpting& sculpting, const SculptOptions& options) {
+void demoInWindow(Gpu& gpu, const Job& job, const SculptOptions& options) {
   std::optional<SculptResults> results;
-  Session::Options session{&recording, recording.rig(), sculpting.hand, options.voxels, {}, {}};
+  Session::Options session = job.session;
   session.on_frame = [&](const Pipeline& pipeline, const PlayedFrame* frame) {
-    if (!results) results.emplace(gpu, pipeline, recording, sculpting);
-    if (frame)
-      results->add(*frame);
-    else
-      results->finish(options);
+    if (!results) results.emplace(gpu, pipeline, session.recording, job.sculpting);
+    if (frame) return results->add(*frame);
+    results->finish(pipeline);
+    results->say(options);
   };
-  sculptInWindow(
-      gpu, session, options,
-      {.title = "Airclay: the demo", .forearm = sculpting.forearm, .close_at_end = true, .log = options.log});
+  sculptInWindow(gpu, session, options,
+                 {.title = "Airclay: the demo",
+                  .forearm = job.sculpting.forearm,
+                  .close_at_end = true,
+                  .log = options.log});
 }
 
 void runDemo(const SculptOptions& options) {
@@ -222,16 +312,14 @@ void runDemo(const SculptOptions& options) {
   makeFolder(options.out);
   CommandGpu gpu(options);
   Synthetic recording(gpu);
-  Sculpting sculpting;
-  sculpting.hand = builtInHand(false);
-  sculpting.forearm = builtInForearm(false);
-  sculpting.clay = clayOptions(options, recording.rig().workspace);
-  sculpting.out = options.out;
-  sculpting.video = sculpting.out / "demo.mp4";
+  Job job = jobFor(options, &recording, recording.rig());
+  job.sculpting.video = job.sculpting.out / "demo.mp4";
+  job.sculpting.clay = clayAtStart(options, recording.rig().workspace);
+  const PassingDocument passing;
   if (wantsWindow(options))
-    demoInWindow(gpu, recording, sculpting, options);
+    demoInWindow(gpu, job, options);
   else
-    sculptHeadless(gpu, recording, sculpting, nullptr, options);
+    sculptWithout(gpu, job, options, Document::create(passing.file(), job.sculpting.clay));
 }
 
 void addOut(CLI::App& command, SculptOptions& options) {
@@ -277,6 +365,15 @@ void addSculpt(CLI::App& program, int&) {
       ->type_name("TOOL");
   command->add_option("--symmetry", options->symmetry, "without a window: planes that are mirrored, as xy")
       ->type_name("AXES");
+  command->add_flag("--unsteady", options->unsteady,
+                    "without a window: the hand as it is measured, without the filter");
+  command
+      ->add_option(
+          "--record", options->record,
+          "a new folder: the sets of pictures that are used, and all that is done, to be played again")
+      ->type_name("DIR");
+  command->add_flag("--afresh", options->afresh,
+                    "of such a recording, the pictures alone, without what was done at the time");
   addLog(*command, *options);
   addOut(*command, *options);
   command->add_option("--video", options->video, "a video of it, too")->type_name("FILE.mp4");
@@ -285,8 +382,14 @@ void addSculpt(CLI::App& program, int&) {
   addCommonOptions(*command, *options, Uses::kDeviceAndVoxels, false);
   command->footer(
       "Examples:\n  airclay sculpt\n  airclay sculpt TAKE --clay vase --place 0,0,-0.05 --save vase.clay\n"
-      "  airclay sculpt TAKE --clay cage.obj --size 0.25 --solve touched --out out/mine");
-  command->callback([options] { runSculpt(*options); });
+      "  airclay sculpt TAKE --clay cage.obj --size 0.25 --solve touched --out out/mine\n"
+      "  airclay sculpt TAKE --record mine; airclay sculpt mine --headless --out out/again");
+  command->callback([options, command] {
+    for (const char* word : {"--clay", "--place", "--size", "--levels", "--rule", "--solve", "--hand",
+                             "--tool", "--symmetry", "--unsteady", "--voxels", "--background", "--record"})
+      if (command->count(word) > 0) options->given.push_back(word);
+    runSculpt(*options);
+  });
 }
 
 void addDemo(CLI::App& program, int&) {

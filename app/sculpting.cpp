@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "app/kept_strokes.h"
 #include "app/pictures.h"
 #include "app/player.h"
 #include "app/progress.h"
@@ -14,6 +13,8 @@
 
 namespace airclay {
 namespace {
+
+constexpr double kMouseRateHz = 30;  // of the film of a mouse's hand
 
 /// What the clay went through.
 class ClayFigures {
@@ -71,20 +72,18 @@ class Film {
 }  // namespace
 
 struct SculptResults::Parts {
-  Parts(Gpu& gpu, const Pipeline& of_pipeline, const Recording& of_recording, const Sculpting& of_sculpting)
-      : pipeline(of_pipeline),
-        recording(of_recording),
+  Parts(Gpu& gpu, const Pipeline& pipeline, const Recording* of_recording, const Sculpting& of_sculpting)
+      : recording(of_recording),
         sculpting(of_sculpting),
-        film(gpu, pipeline, sculpting, recording.rateHz()) {}
-  const Pipeline& pipeline;
-  const Recording& recording;
+        film(gpu, pipeline, sculpting, recording ? recording->rateHz() : kMouseRateHz) {}
+  const Recording* recording;
   const Sculpting& sculpting;
   Film film;
   Tracking tracking;
   ClayFigures clay;
 };
 
-SculptResults::SculptResults(Gpu& gpu, const Pipeline& pipeline, const Recording& recording,
+SculptResults::SculptResults(Gpu& gpu, const Pipeline& pipeline, const Recording* recording,
                              const Sculpting& sculpting)
     : parts_(std::make_unique<Parts>(gpu, pipeline, recording, sculpting)) {}
 SculptResults::~SculptResults() = default;
@@ -95,38 +94,42 @@ void SculptResults::add(const PlayedFrame& frame) {
   parts_->film.take(frame.result);
 }
 
-void SculptResults::finish(const CommonOptions& options) {
+void SculptResults::finish(const Pipeline& pipeline) {
   const Sculpting& sculpting = parts_->sculpting;
   parts_->film.finish();
-  writeObj(sculpting.out / "surface.obj", parts_->pipeline.clay().surface());
-  writeObj(sculpting.out / "cage.obj", parts_->pipeline.clay().cage());
+  writeObj(sculpting.out / "surface.obj", pipeline.clay().surface());
+  writeObj(sculpting.out / "cage.obj", pipeline.clay().cage());
   writePoses(sculpting.out / "poses.tum", parts_->tracking.poses());
-  for (const std::string& line : parts_->tracking.words()) say(options, line);
-  say(options, parts_->clay.words());
-  say(options, "surface.obj, cage.obj, poses.tum and pictures in " + sculpting.out.string() +
-                   (sculpting.video ? ", the video " + sculpting.video->string() : ""));
 }
 
-void sculptHeadless(Gpu& gpu, Recording& recording, const Sculpting& sculpting, Document* document,
-                    const CommonOptions& options) {
-  Pipeline pipeline(gpu, recording.rig(), sculpting.hand, {options.voxels}, sculpting.clay);
-  Player player(recording, pipeline);
-  SculptResults results(gpu, pipeline, recording, sculpting);
-  std::optional<KeptStrokes> strokes;
-  if (document) strokes.emplace(*document);
-  {
-    Progress progress("sculpting", recording.frameCount(), options.talks());
-    while (const std::optional<PlayedFrame> frame = player.next(sculpting.controls)) {
-      results.add(*frame);
-      if (strokes)
-        strokes->see(
-            {frame->time_s, frame->result.clay.touched, true, frame->result.hand == HandState::kTracked},
-            toolName(sculpting.controls.tool), pipeline.clay());
-      progress.advance();
-    }
-  }
-  if (strokes) strokes->finish(pipeline.clay());
-  results.finish(options);
+void SculptResults::say(const CommonOptions& options) const {
+  const Sculpting& sculpting = parts_->sculpting;
+  for (const std::string& line : parts_->tracking.words()) airclay::say(options, line);
+  airclay::say(options, parts_->clay.words());
+  airclay::say(options, "surface.obj, cage.obj, poses.tum and pictures in " + sculpting.out.string() +
+                            (sculpting.video ? ", the video " + sculpting.video->string() : ""));
+}
+
+void sculptHeadless(Gpu& gpu, const Session::Options& options, const Sculpting& sculpting,
+                    const SculptControls& controls, Document document, const CommonOptions& common) {
+  std::optional<SculptResults> results;
+  std::optional<Progress> progress(std::in_place, options.replay ? "replaying" : "sculpting",
+                                   options.recording ? options.recording->frameCount() : 1, common.talks());
+  Session::Options session_options = options;
+  session_options.headless = true;
+  session_options.settings.tool = controls.tool;
+  session_options.settings.symmetry = controls.symmetry;
+  session_options.on_frame = [&](const Pipeline& pipeline, const PlayedFrame* frame) {
+    if (!results) results.emplace(gpu, pipeline, options.recording, sculpting);
+    if (frame) results->add(*frame);
+    progress->advance();
+    if (!frame) results->finish(pipeline);
+  };
+  Session session(gpu, session_options, std::move(document));
+  session.finish();
+  progress.reset();
+  results->say(common);
+  for (const std::string& line : session.takeNotes()) say(common, line);
 }
 
 }  // namespace airclay

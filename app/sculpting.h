@@ -8,6 +8,7 @@
 
 #include "app/command.h"
 #include "app/player.h"
+#include "app/studio/session.h"
 #include "capture/recording.h"
 #include "engine/document.h"
 #include "engine/hand_model.h"
@@ -17,9 +18,8 @@ namespace airclay {
 
 struct Sculpting {
   HandModel hand;
-  std::optional<TriangleMesh> forearm;  ///< drawn behind the hand
-  ClayOptions clay;
-  SculptControls controls;
+  std::optional<TriangleMesh> forearm;         ///< drawn behind the hand
+  ClayState clay;                              ///< at the beginning
   std::filesystem::path out;                   ///< a folder that is there
   std::optional<std::filesystem::path> video;  ///< an .mp4
 };
@@ -28,22 +28,23 @@ struct Sculpting {
 /// the first frame in which the hand touches clay), after.png, and the video; and what it came to in words.
 class SculptResults {
  public:
-  /// `pipeline`, `recording` and `sculpting` must outlive this.
-  SculptResults(Gpu& gpu, const Pipeline& pipeline, const Recording& recording, const Sculpting& sculpting);
+  /// `recording` and `sculpting` must outlive this; no recording: the mouse's hand.
+  SculptResults(Gpu& gpu, const Pipeline& pipeline, const Recording* recording, const Sculpting& sculpting);
   ~SculptResults();
 
   void add(const PlayedFrame& frame);
-  /// Writes what is left, and says it.
-  void finish(const CommonOptions& options);
+  /// Writes what is left.
+  void finish(const Pipeline& pipeline);
+  void say(const CommonOptions& options) const;
 
  private:
   struct Parts;
   std::unique_ptr<Parts> parts_;
 };
 
-/// Plays the whole recording without a window, and leaves its SculptResults; strokes go into `document`, if
-/// any.
-void sculptHeadless(Gpu& gpu, Recording& recording, const Sculpting& sculpting, Document* document,
-                    const CommonOptions& options);
+/// Plays the whole recording, or what was recorded, without a window, and leaves its SculptResults; strokes
+/// go into `document`. The frames take the window's way, so that both make the same clay.
+void sculptHeadless(Gpu& gpu, const Session::Options& options, const Sculpting& sculpting,
+                    const SculptControls& controls, Document document, const CommonOptions& common);
 
 }  // namespace airclay

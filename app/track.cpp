@@ -31,7 +31,7 @@ void runTrack(const TrackOptions& options) {
   {
     Progress progress("tracking", take.frameCount(), options.talks());
     while (const std::optional<PlayedFrame> frame = player.next()) {
-      tracking.add(*frame, take);
+      tracking.add(*frame, &take);
       progress.advance();
     }
   }

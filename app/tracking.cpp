@@ -37,8 +37,9 @@ std::optional<Pose> poseAt(const std::vector<TimedPose>& poses, double time_s, d
   return nearest->world_from_hand;
 }
 
-void Tracking::add(const PlayedFrame& frame, const Recording& recording) {
+void Tracking::add(const PlayedFrame& frame, const Recording* recording) {
   ++frames_;
+  if (frame.skew_s) skew_ms_.push_back(1000 * *frame.skew_s);
   decode_ms_.push_back(frame.decode_ms);
   const FrameResult& result = frame.result;
   if (frame.background || result.hand == HandState::kEmpty) {
@@ -59,8 +60,8 @@ void Tracking::add(const PlayedFrame& frame, const Recording& recording) {
   ++tracked_;
   const Pose& pose = result.fit.world_from_hand;
   poses_.push_back({frame.time_s, pose});
-  if (!recording.truth()) return;
-  const std::optional<Pose> truth = poseAt(*recording.truth(), frame.time_s, 1 / recording.rateHz());
+  if (!recording || !recording->truth()) return;
+  const std::optional<Pose> truth = poseAt(*recording->truth(), frame.time_s, 1 / recording->rateHz());
   if (!truth) return;
   errors_mm_.push_back(1000 * (pose.translation() - truth->translation()).norm());
   errors_deg_.push_back(angleBetween(pose.linear(), truth->linear()) * 180 / std::numbers::pi);
@@ -81,6 +82,10 @@ nlohmann::ordered_json Tracking::json() const {
                                    {"frame_ms", frameMs()},
                                    {"decode_ms", median(decode_ms_)},
                                    {"hz", frameMs() > 0 ? 1000 / frameMs() : 0}};
+  if (!skew_ms_.empty()) {
+    object["skew_ms"] = median(skew_ms_);
+    object["worst_skew_ms"] = worst(skew_ms_);
+  }
   if (!errors_mm_.empty()) {
     object["median_error_mm"] = median(errors_mm_);
     object["worst_error_mm"] = worst(errors_mm_);
@@ -100,6 +105,9 @@ std::vector<std::string> Tracking::words() const {
     for (const auto& [name, ms] : stage_ms_) line += name + " " + fixed(median(ms), 1) + ", ";
     lines.push_back(line + "decoding before it " + fixed(median(decode_ms_), 1) + ")");
   }
+  if (!skew_ms_.empty())
+    lines.push_back("the cameras' times within a set differ by " + fixed(median(skew_ms_), 1) +
+                    " ms in the median, " + fixed(worst(skew_ms_), 1) + " ms at worst");
   if (!errors_mm_.empty())
     lines.push_back("off the known truth by " + fixed(median(errors_mm_), 2) + " mm and " +
                     fixed(median(errors_deg_), 2) + " degrees in the median, " + fixed(worst(errors_mm_), 2) +

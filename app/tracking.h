@@ -14,8 +14,8 @@ namespace airclay {
 /// Collects frames; then says what they come to.
 class Tracking {
  public:
-  /// `recording` may know the frame's true pose.
-  void add(const PlayedFrame& frame, const Recording& recording);
+  /// `recording`, where there is one, may know the frame's true pose.
+  void add(const PlayedFrame& frame, const Recording* recording);
 
   /// One a tracked frame.
   const std::vector<TimedPose>& poses() const { return poses_; }
@@ -30,7 +30,7 @@ class Tracking {
   double frameMs() const;
 
   int frames_ = 0, tracked_ = 0, lost_ = 0, empty_ = 0;
-  std::vector<double> frame_ms_, decode_ms_, errors_mm_, errors_deg_;
+  std::vector<double> frame_ms_, decode_ms_, skew_ms_, errors_mm_, errors_deg_;
   std::vector<std::pair<std::string, std::vector<double>>> stage_ms_;  ///< in the way of the data
   std::vector<TimedPose> poses_;
 };

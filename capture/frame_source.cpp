@@ -20,7 +20,7 @@ constexpr int kMaxFrame = 1'000'000;
 
 class VideoSource : public FrameSource {
  public:
-  explicit VideoSource(const std::filesystem::path& file) : file_(file) {
+  VideoSource(const std::filesystem::path& file, bool unfinished) : file_(file), unfinished_(unfinished) {
     quietOpenCv();
     open();
     size_ = {static_cast<int>(video_.get(cv::CAP_PROP_FRAME_WIDTH)),
@@ -67,7 +67,7 @@ class VideoSource : public FrameSource {
     while (packets < kMaxFrame && undecoded.grab()) ++packets;
     const double declared = video_.get(cv::CAP_PROP_FRAME_COUNT);
     const bool is_known = declared >= 1 && declared < kMaxFrame;
-    if (is_known && packets < static_cast<int>(std::lround(declared)) - 1)
+    if (!unfinished_ && is_known && packets < static_cast<int>(std::lround(declared)) - 1)
       return countByTime(static_cast<int>(std::lround(declared)));
     return packets;
   }
@@ -95,6 +95,7 @@ class VideoSource : public FrameSource {
   }
 
   std::filesystem::path file_;
+  bool unfinished_;
   cv::VideoCapture video_;
   PictureSize size_;
   double rate_hz_ = kDefaultRateHz;
@@ -133,10 +134,11 @@ class PictureSource : public FrameSource {
 
 }  // namespace
 
-std::unique_ptr<FrameSource> openFrames(const std::filesystem::path& take, const std::string& name) {
+std::unique_ptr<FrameSource> openFrames(const std::filesystem::path& take, const std::string& name,
+                                        bool unfinished) {
   for (const char* extension : {".mp4", ".mkv", ".avi"}) {
     const std::filesystem::path file = take / (name + extension);
-    if (std::filesystem::is_regular_file(file)) return std::make_unique<VideoSource>(file);
+    if (std::filesystem::is_regular_file(file)) return std::make_unique<VideoSource>(file, unfinished);
   }
   const std::filesystem::path folder = take / name;
   if (std::filesystem::is_directory(folder)) return std::make_unique<PictureSource>(folder);

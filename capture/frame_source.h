@@ -27,8 +27,9 @@ class FrameSource {
 
 /// The frames of camera `name` in a take's folder: NAME.mp4, .mkv or .avi, else the pictures in NAME/. None
 /// when there are neither. \throw Error naming the file when it cannot be opened, holds no frame, or numbers
-/// have a gap.
-std::unique_ptr<FrameSource> openFrames(const std::filesystem::path& take, const std::string& name);
+/// have a gap; or the video is shorter than it declares, unless it may be `unfinished`.
+std::unique_ptr<FrameSource> openFrames(const std::filesystem::path& take, const std::string& name,
+                                        bool unfinished = false);
 
 /// The pictures in a folder by the number that is their name: 000000.png, 1.jpg. Other files are not looked
 /// at. \throw Error naming two files of one number, or a number past a million.

@@ -3,6 +3,7 @@
 // (synthetic.h).
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <span>
 
@@ -26,6 +27,9 @@ class Recording {
   virtual double rateHz() const = 0;
   /// When frame `frame` was taken, in seconds: the mean of its cameras' times. \pre 0 <= frame < frameCount()
   virtual double timeOf(int frame) const = 0;
+  /// When each camera took its picture of frame `frame`, in the rig's order; empty where the cameras have no
+  /// times of their own. \pre as timeOf()
+  virtual std::vector<double> cameraTimesOf(int /*frame*/) const { return {}; }
 
   /// How many first frames show the empty workspace: 0 where background pictures or masks make them needless.
   virtual int backgroundFrames() const = 0;
@@ -45,5 +49,12 @@ class Recording {
   /// True poses, where they are known.
   virtual const std::optional<std::vector<TimedPose>>& truth() const = 0;
 };
+
+/// The cameras' skew: the largest difference of a set's times, seconds. None of a set without times.
+inline std::optional<double> skewOf(const std::vector<double>& camera_times_s) {
+  if (camera_times_s.empty()) return std::nullopt;
+  const auto [first, last] = std::minmax_element(camera_times_s.begin(), camera_times_s.end());
+  return *last - *first;
+}
 
 }  // namespace airclay

@@ -22,7 +22,7 @@ struct Take::Parts {
   std::vector<std::unique_ptr<FrameSource>> frames;  // a camera each, or none at all
   std::vector<std::map<int, path>> masks;            // a camera each, or none at all
   bool has_background = false;
-  std::vector<double> times;  // a frame each, where timestamps.csv says them
+  std::vector<std::vector<double>> times;  // of a frame its cameras', where timestamps.csv says them
   double seconds_per_frame = 1.0 / 30;
   int frame_count = 0;
   std::optional<std::vector<TimedPose>> truth;
@@ -42,6 +42,12 @@ namespace {
 
 PictureSize sizeOf(const Camera& camera) {
   return {camera.width, camera.height};
+}
+
+double mean(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double value : values) sum += value / static_cast<double>(values.size());
+  return sum;
 }
 
 std::string text(PictureSize size) {
@@ -83,7 +89,7 @@ void Take::Parts::openRig() {
 void Take::Parts::openFrames() {
   std::string missing;
   for (const Camera& camera : rig.cameras) {
-    std::unique_ptr<FrameSource> source = airclay::openFrames(folder, camera.name);
+    std::unique_ptr<FrameSource> source = airclay::openFrames(folder, camera.name, options.unfinished);
     if (source)
       frames.push_back(std::move(source));
     else if (missing.empty())
@@ -175,9 +181,10 @@ void Take::Parts::openTimes() {
   if (!std::filesystem::exists(file)) return;
   std::vector<std::string> names;
   for (const Camera& camera : rig.cameras) names.push_back(camera.name);
-  times = readFrameTimes(file, names, frame_count);
+  times = readFrameTimes(file, names, frame_count, options.unfinished);
+  frame_count = std::min(frame_count, static_cast<int>(times.size()));
   if (times.size() > 1)
-    seconds_per_frame = (times.back() - times.front()) / static_cast<double>(times.size() - 1);
+    seconds_per_frame = (mean(times.back()) - mean(times.front())) / static_cast<double>(times.size() - 1);
 }
 
 Take::Take(const path& folder, const TakeOptions& options) : parts_(std::make_unique<Parts>()) {
@@ -193,6 +200,7 @@ Take::Take(const path& folder, const TakeOptions& options) : parts_(std::make_un
   parts_->checkSizes();
   parts_->openBackground();
   parts_->countFrames();
+  parts_->frame_count = std::min(parts_->frame_count, options.most_frames);
   parts_->openTimes();
   const path truth = folder / "truth.tum";
   if (std::filesystem::exists(truth)) parts_->truth = readPoses(truth);
@@ -214,7 +222,10 @@ double Take::rateHz() const {
 
 double Take::timeOf(int frame) const {
   return parts_->times.empty() ? frame * parts_->seconds_per_frame
-                               : parts_->times.at(static_cast<size_t>(frame));
+                               : mean(parts_->times.at(static_cast<size_t>(frame)));
+}
+std::vector<double> Take::cameraTimesOf(int frame) const {
+  return parts_->times.empty() ? std::vector<double>{} : parts_->times.at(static_cast<size_t>(frame));
 }
 
 bool Take::hasPictures() const {

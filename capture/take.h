@@ -3,6 +3,7 @@
 // is opened.
 #pragma once
 
+#include <limits>
 #include <memory>
 
 #include "capture/recording.h"
@@ -12,6 +13,10 @@ namespace airclay {
 struct TakeOptions {
   RigUnits units = RigUnits::kAsWritten;
   int background_frames = 10;  ///< how many first frames show the empty workspace, where no background/ does
+  /// It may have been cut off while it was written: what is whole is used, and its frames are no more than
+  /// `most_frames`.
+  bool unfinished = false;
+  int most_frames = std::numeric_limits<int>::max();
 };
 
 /// Opens a take and reads its frames into the caller's memory: one buffer a camera, in the rig's order.
@@ -36,6 +41,8 @@ class Take : public Recording {
   double rateHz() const override;
   /// When frame `frame` was taken, in seconds: the mean of its cameras' times. \pre 0 <= frame < frameCount()
   double timeOf(int frame) const override;
+  /// As timestamps.csv says them.
+  std::vector<double> cameraTimesOf(int frame) const override;
 
   bool hasPictures() const override;     ///< videos or picture folders; else there are masks alone
   bool hasSilhouettes() const override;  ///< masks to be used as they are, instead of segmentation

@@ -75,8 +75,9 @@ Columns readHeader(std::istream& in, const std::string& file) {
 
 }  // namespace
 
-std::vector<double> readFrameTimes(const std::filesystem::path& file,
-                                   const std::vector<std::string>& camera_names, int frame_count) {
+std::vector<std::vector<double>> readFrameTimes(const std::filesystem::path& file,
+                                                const std::vector<std::string>& camera_names, int frame_count,
+                                                bool unfinished) {
   std::ifstream in(file);
   if (!in) throw Error(file.string() + ": the timestamps cannot be opened for reading");
   const Columns columns = readHeader(in, file.string());
@@ -85,6 +86,7 @@ std::vector<double> readFrameTimes(const std::filesystem::path& file,
   std::string line;
   for (int number = 2; std::getline(in, line); ++number) {
     if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
+    if (unfinished && in.eof()) break;
     const std::string where = file.string() + ":" + std::to_string(number) + ": ";
     const std::vector<std::string> cells = splitRow(line);
     if (cells.size() != columns.count)
@@ -102,16 +104,19 @@ std::vector<double> readFrameTimes(const std::filesystem::path& file,
     of_camera.push_back(*time);
   }
 
-  std::vector<double> means(static_cast<size_t>(frame_count), 0.0);
+  auto frames = static_cast<size_t>(frame_count);
   for (size_t i = 0; i < times.size(); ++i) {
-    if (times[i].size() < means.size())
+    if (times[i].size() >= frames) continue;
+    if (!unfinished)
       throw Error(file.string() + ": camera \"" + camera_names[i] + "\" has " +
                   std::to_string(times[i].size()) + " rows; one for each of the " +
                   std::to_string(frame_count) + " frames would be right");
-    for (size_t frame = 0; frame < means.size(); ++frame)
-      means[frame] += times[i][frame] / static_cast<double>(times.size());
+    frames = times[i].size();
   }
-  return means;
+  std::vector<std::vector<double>> of_frames(frames);
+  for (size_t frame = 0; frame < frames; ++frame)
+    for (const std::vector<double>& of_camera : times) of_frames[frame].push_back(of_camera[frame]);
+  return of_frames;
 }
 
 }  // namespace airclay

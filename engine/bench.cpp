@@ -360,8 +360,8 @@ StageTiming timeSolve(Gpu& gpu) {
   return timeStage(gpu, stage);
 }
 
-ClayOptions tubeClay() {
-  ClayOptions options;
+ClayState tubeClay() {
+  ClayState options;
   options.cage = presetCage("tube");
   return options;
 }

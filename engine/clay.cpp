@@ -2,21 +2,20 @@
 #include "engine/clay.h"
 
 #include "engine/error.h"
-#include "engine/pipeline.h"
 
 namespace airclay {
 
-Clay::Clay(Gpu& gpu, const ClayOptions& options, const Vec3& workspace_center)
+Clay::Clay(Gpu& gpu, const ClayState& state, const Vec3& workspace_center)
     : gpu_(gpu),
       workspace_center_(workspace_center),
-      cage_faces_(options.cage.faces),
-      solve_rows_(options.solve),
-      levels_(options.levels),
-      subdivision_(subdivide(options.cage, options.levels, options.rule)),
+      cage_faces_(state.cage.faces),
+      solve_rows_(state.solve),
+      levels_(state.levels),
+      subdivision_(subdivide(state.cage, state.levels, state.rule)),
       evaluator_(gpu, subdivision_),
-      exact_points_(gpu, 3 * options.cage.points.size()),
-      control_points_(gpu, options.cage.points.size()) {
-  setControlPoints(options.cage.points);
+      exact_points_(gpu, 3 * state.cage.points.size()),
+      control_points_(gpu, state.cage.points.size()) {
+  setControlPoints(state.cage.points);
 }
 
 PolygonMesh Clay::cage() const {

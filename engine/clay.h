@@ -2,20 +2,19 @@
 // The clay in device memory: control points and the surface that they give.
 #pragma once
 
+#include "engine/clay_state.h"
 #include "engine/gpu/recorder.h"
 #include "engine/solve.h"
 #include "engine/subdivide.h"
 
 namespace airclay {
 
-struct ClayOptions;
-
 /// The virtual clay: a control cage and its subdivision d = A p. Positions live on the device, in the
 /// workspace's frame (the world moved to the workspace's centre).
 class Clay {
  public:
   /// \throw Error when the cage is none, or too large.
-  Clay(Gpu& gpu, const ClayOptions& options, const Vec3& workspace_center);
+  Clay(Gpu& gpu, const ClayState& state, const Vec3& workspace_center);
 
   const Subdivision& subdivision() const { return subdivision_; }
   SolveRows solveRows() const { return solve_rows_; }

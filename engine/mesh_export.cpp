@@ -13,6 +13,7 @@
 #include <numeric>
 
 #include "engine/error.h"
+#include "engine/long_work.h"
 #include "engine/mesh_file.h"
 
 namespace airclay {
@@ -125,6 +126,7 @@ std::string plyOf(const PolygonMesh& mesh) {
                       (few_corners ? "uchar" : "uint") + " int vertex_indices\nend_header\n";
   const std::vector<Vec3> normals = smoothNormals(mesh);
   for (std::size_t i = 0; i < mesh.points.size(); ++i) {
+    workGoesOn(i, mesh.points.size());
     put(bytes, mesh.points[i].cast<float>().eval());
     put(bytes, normals[i].cast<float>().eval());
   }
@@ -143,7 +145,9 @@ std::string stlOf(const Solid& solid) {
   bytes.resize(80, ' ');
   bytes.reserve(84 + 50 * solid.triangles.size());
   put(bytes, std::uint32_t(solid.triangles.size()));
-  for (const auto& [a, b, c] : solid.triangles) {
+  for (std::size_t i = 0; i < solid.triangles.size(); ++i) {
+    workGoesOn(i, solid.triangles.size());
+    const auto& [a, b, c] = solid.triangles[i];
     const std::array corners = {solid.points_mm[a], solid.points_mm[b], solid.points_mm[c]};
     put(bytes, areaVector(corners).normalized().cast<float>().eval());
     for (const Eigen::Vector3f& corner : corners) put(bytes, corner);

@@ -17,10 +17,12 @@
 
 #include "engine/cage.h"
 #include "engine/error.h"
+#include "engine/long_work.h"
 
 namespace airclay {
 namespace {
 
+constexpr size_t kWrittenAtOnce = size_t(4) << 20;  // bytes; then whoever waits may cancel
 constexpr size_t kMaxObjBytes = size_t(256) << 20;  // text of 5 million points and their faces
 constexpr size_t kMaxObjPoints = 5'000'000;
 constexpr size_t kMaxObjCorners = 20'000'000;  // as many quads as points
@@ -87,6 +89,8 @@ class ObjLines {
   }
   /// Of the line taken last, counted from 1; of several, the first.
   long number() const { return number_; }
+  /// Characters not looked at yet.
+  std::size_t left() const { return rest_.size(); }
 
  private:
   std::string_view takeLine() {
@@ -111,7 +115,8 @@ class ObjReader {
   ObjReader(const std::filesystem::path& file, std::string_view text) : file_(file.string()) {
     ObjLines lines(text);
     std::string_view line;
-    while (lines.next(line)) {
+    for (std::size_t taken = 0; lines.next(line); ++taken) {
+      if (taken % 4096 == 0) workGoesOn(1 - double(lines.left()) / double(text.size()));
       line_number_ = lines.number();
       Words words(line);
       const std::string_view keyword = words.next();
@@ -210,7 +215,9 @@ void append(std::string& text, double number) {
 
 void writeAll(FileHandle& handle, const std::string& content, const std::string& name) {
   for (size_t written = 0; written < content.size();) {
-    const ssize_t count = ::write(handle.get(), content.data() + written, content.size() - written);
+    workGoesOn(double(written) / double(content.size()));
+    const size_t most = std::min(content.size() - written, kWrittenAtOnce);
+    const ssize_t count = ::write(handle.get(), content.data() + written, most);
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) throw Error(name + ": cannot be written: " + reason());
     written += size_t(count);
@@ -268,7 +275,9 @@ PolygonMesh readObj(const std::filesystem::path& file) {
 
 void writeObj(const std::filesystem::path& file, const PolygonMesh& mesh) {
   std::string text;
-  for (const Vec3& point : mesh.points) {
+  for (std::size_t i = 0; i < mesh.points.size(); ++i) {
+    workGoesOn(i, mesh.points.size() + mesh.faces.size());
+    const Vec3& point = mesh.points[i];
     text += 'v';
     for (int axis = 0; axis < 3; ++axis) {
       text += ' ';
@@ -276,9 +285,10 @@ void writeObj(const std::filesystem::path& file, const PolygonMesh& mesh) {
     }
     text += '\n';
   }
-  for (const std::vector<int>& face : mesh.faces) {
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+    workGoesOn(mesh.points.size() + f, mesh.points.size() + mesh.faces.size());
     text += 'f';
-    for (const int corner : face) text.append(" ").append(std::to_string(corner + 1));
+    for (const int corner : mesh.faces[f]) text.append(" ").append(std::to_string(corner + 1));
     text += '\n';
   }
   writeWhole(file, text);
@@ -311,7 +321,7 @@ void writeWhole(const std::filesystem::path& file, const std::string& content) {
     writeAll(handle, content, file.string());
     if (::rename(beside.c_str(), target.c_str()) != 0)
       throw Error(file.string() + ": cannot be written: " + reason());
-  } catch (const Error&) {
+  } catch (...) {  // cancelled, too
     ::unlink(beside.c_str());
     throw;
   }

@@ -14,6 +14,12 @@ double timeConstant(double cutoff_hz) {
   return 1 / (2 * M_PI * cutoff_hz);
 }
 
+/// A speed that is believed: of one much below the tremor's little is left, one far above loses only the
+/// tremor's own.
+double believed(double speed, double tremor) {
+  return speed > 0 ? speed * speed / (speed + tremor) : 0;
+}
+
 /// The new sample's share, alpha = 1 / (1 + tau / T_e).
 double shareOf(double cutoff_hz, double step_s) {
   return 1 / (1 + timeConstant(cutoff_hz) / step_s);
@@ -58,11 +64,13 @@ void OneEuroPose::follow(State& state, double step_s, const Vec3& position,
   state.measured_turn = turn;
   state.age_s += step_s;
 
-  // f_c = f_c,min + beta |speed|
-  state.cutoff_hz = options_.rest_cutoff_hz + options_.cutoff_hz_per_m_s * state.velocity_m_s.norm();
+  // f_c = f_c,min + beta |speed|, but for the tremor
+  state.cutoff_hz = options_.rest_cutoff_hz +
+                    options_.cutoff_hz_per_m_s * believed(state.velocity_m_s.norm(), options_.tremor_m_s);
   state.smooth += shareOf(state.cutoff_hz, step_s) * (position - state.smooth);
   state.turn_cutoff_hz =
-      options_.turn_rest_cutoff_hz + options_.turn_cutoff_hz_per_rad_s * state.turn_rad_s.norm();
+      options_.turn_rest_cutoff_hz +
+      options_.turn_cutoff_hz_per_rad_s * believed(state.turn_rad_s.norm(), options_.tremor_rad_s);
   state.smooth_turn = state.smooth_turn.slerp(shareOf(state.turn_cutoff_hz, step_s), turn).normalized();
 }
 

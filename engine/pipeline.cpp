@@ -2,24 +2,22 @@
 #include "engine/pipeline.h"
 
 #include <algorithm>
-#include <chrono>
 
+#include "engine/clock.h"
 #include "engine/error.h"
 #include "engine/sculptor.h"
 #include "engine/tracker.h"
 
 namespace airclay {
-namespace {
-
-double millisecondsSince(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
-
-}  // namespace
+Pipeline::MadeClay::MadeClay(Gpu& gpu, const ClayState& state, const Vec3& workspace_center,
+                             const DistanceGrid& hand)
+    : clay_(std::make_unique<Clay>(gpu, state, workspace_center)),
+      sculptor_(std::make_unique<Sculptor>(gpu, *clay_, hand)) {}
+Pipeline::MadeClay::~MadeClay() = default;
 
 struct Pipeline::Parts {
   Parts(Gpu& gpu_, const Rig& rig, const HandModel& hand_model, const PipelineOptions& options,
-        const std::optional<ClayOptions>& clay_options)
+        const std::optional<ClayState>& clay_state)
       : gpu(gpu_),
         hand(hand_model),
         gpu_rig(gpu, rig),
@@ -29,7 +27,7 @@ struct Pipeline::Parts {
         tracker(gpu, gpu_rig, hand, carver),
         given_hand(gpu, 1, Memory::kHost),
         recorder(gpu) {
-    setClay(clay_options);
+    if (clay_state) setClay(makeClay(*clay_state));
   }
 
   Gpu& gpu;
@@ -47,16 +45,14 @@ struct Pipeline::Parts {
   bool hand_was_given = false;      ///< in the last frame
   Recorder recorder;
 
-  void setClay(const std::optional<ClayOptions>& options) {
-    std::unique_ptr<Clay> new_clay;
-    std::unique_ptr<Sculptor> new_sculptor;
-    if (options) {
-      if (!contact_grid) contact_grid = contactGrid(hand.skin);
-      new_clay = std::make_unique<Clay>(gpu, *options, gpu_rig.rig().workspace.center);
-      new_sculptor = std::make_unique<Sculptor>(gpu, *new_clay, *contact_grid);
-    }
-    sculptor = std::move(new_sculptor);  // before the clay that it refers to goes
-    clay = std::move(new_clay);
+  std::unique_ptr<MadeClay> makeClay(const ClayState& state) {
+    if (!contact_grid) contact_grid = contactGrid(hand.skin);
+    return std::make_unique<MadeClay>(gpu, state, gpu_rig.rig().workspace.center, *contact_grid);
+  }
+
+  void setClay(std::unique_ptr<MadeClay> made) {
+    sculptor = made ? std::move(made->sculptor_) : nullptr;  // before the clay that it refers to goes
+    clay = made ? std::move(made->clay_) : nullptr;
   }
 
   /// A camera at a time: a window's pictures find room between.
@@ -120,7 +116,7 @@ struct Pipeline::Parts {
   /// Without controls the clay is left out.
   FrameResult process(bool from_pictures, const std::optional<SculptControls>& controls) {
     FrameResult result;
-    const auto start = std::chrono::steady_clock::now();
+    const auto start = Clock::now();
     if (controls) takeHandFrom(false);
     const bool following = tracker.hasPose();
     if (from_pictures) finishBackground();
@@ -149,7 +145,7 @@ struct Pipeline::Parts {
 
   FrameResult sculptWith(const Pose& world_from_hand, const SculptControls& controls) {
     FrameResult result;
-    const auto start = std::chrono::steady_clock::now();
+    const auto start = Clock::now();
     takeHandFrom(true);
     result.hand = HandState::kTracked;
     result.fit.world_from_hand = world_from_hand;
@@ -193,7 +189,7 @@ struct Pipeline::Parts {
 };
 
 Pipeline::Pipeline(Gpu& gpu, const Rig& rig, const HandModel& hand, const PipelineOptions& options,
-                   const std::optional<ClayOptions>& clay)
+                   const std::optional<ClayState>& clay)
     : parts_(std::make_unique<Parts>(gpu, rig, hand, options, clay)) {}
 Pipeline::~Pipeline() = default;
 
@@ -227,8 +223,16 @@ FrameResult Pipeline::sculptWith(const Pose& world_from_hand, const SculptContro
   return parts_->sculptWith(world_from_hand, controls);
 }
 
-void Pipeline::setClay(const std::optional<ClayOptions>& clay) {
-  parts_->setClay(clay);
+void Pipeline::setClay(const std::optional<ClayState>& clay) {
+  parts_->setClay(clay ? parts_->makeClay(*clay) : nullptr);
+}
+
+std::unique_ptr<Pipeline::MadeClay> Pipeline::makeClay(const ClayState& clay) {
+  return parts_->makeClay(clay);
+}
+
+void Pipeline::setClay(std::unique_ptr<MadeClay> made) {
+  parts_->setClay(std::move(made));
 }
 
 void Pipeline::hullFromPictures() {

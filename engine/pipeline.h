@@ -12,6 +12,8 @@
 
 #include "engine/carve.h"
 #include "engine/clay.h"
+#include "engine/clay_state.h"
+#include "engine/distance_grid.h"
 #include "engine/fit.h"
 #include "engine/hand_model.h"
 #include "engine/silhouette.h"
@@ -21,16 +23,10 @@
 
 namespace airclay {
 
+class Sculptor;
+
 struct PipelineOptions {
   int voxels = 128;  ///< along the workspace's edge
-};
-
-/// The clay to sculpt and how it follows.
-struct ClayOptions {
-  PolygonMesh cage;  ///< metres, world
-  SubdivisionRule rule = SubdivisionRule::kCatmullClark;
-  int levels = 2;
-  SolveRows solve = SolveRows::kAll;
 };
 
 enum class HandState {
@@ -60,7 +56,7 @@ class Pipeline {
  public:
   /// Without `clay` only the hand is tracked. \throw Error as its parts do.
   Pipeline(Gpu& gpu, const Rig& rig, const HandModel& hand, const PipelineOptions& options = {},
-           const std::optional<ClayOptions>& clay = std::nullopt);
+           const std::optional<ClayState>& clay = std::nullopt);
   ~Pipeline();
   Pipeline(const Pipeline&) = delete;
   Pipeline& operator=(const Pipeline&) = delete;
@@ -89,7 +85,21 @@ class Pipeline {
   /// Replaces the clay, or takes it away; references to the old one hold no more. The tracker goes on. For
   /// other control points of the same cage Clay::setControlPoints() does. \throw Error as Clay, and the old
   /// clay stays.
-  void setClay(const std::optional<ClayOptions>& clay);
+  void setClay(const std::optional<ClayState>& clay);
+  /// The same in two steps: making the clay takes long where it is large, and may be cancelled
+  /// (engine/long_work.h); putting it in the old one's place does not. \throw Error as Clay
+  class MadeClay {
+   public:
+    MadeClay(Gpu& gpu, const ClayState& state, const Vec3& workspace_center, const DistanceGrid& hand);
+    ~MadeClay();
+
+   private:
+    friend class Pipeline;
+    std::unique_ptr<Clay> clay_;
+    std::unique_ptr<Sculptor> sculptor_;
+  };
+  std::unique_ptr<MadeClay> makeClay(const ClayState& clay);
+  void setClay(std::unique_ptr<MadeClay> made);
 
   /// There was no hand to give: the next sculptWith() starts anew.
   void forgetGivenHand();

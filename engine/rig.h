@@ -86,8 +86,13 @@ inline constexpr int kMaxCameras = 32;
 /// Pictures are at least this wide and high, in pixels, and at most this: 0.8 GB a picture.
 inline constexpr int kMinPictureSide = 16, kMaxPictureSide = 16384;
 
+/// How rotations are written: three numbers (Rodrigues), as every program reads them; or as matrices, which
+/// readRig reads back to the last bit.
+enum class WrittenRotations { kRodrigues, kMatrices };
+
 /// Writes the rig as readRig reads it, in metres.
-void writeRig(const std::filesystem::path& file, const Rig& rig);
+void writeRig(const std::filesystem::path& file, const Rig& rig,
+              WrittenRotations rotations = WrittenRotations::kRodrigues);
 
 /// \throw Error with the reason when the rig cannot be real: fewer than two cameras or more than kMaxCameras;
 /// two of one name; NaN; a focal length or a picture's size out of bounds; a rotation that is none; a camera

@@ -12,6 +12,8 @@ namespace {
 
 // How far RᵀR may stray from I and still be a rotation printed with few digits.
 constexpr double kRotationTolerance = 1e-3;
+// Such a matrix was written by somebody who computes in double: it is taken to the last bit.
+constexpr double kExactRotation = 1e-14;
 
 std::string cameraIn(const std::string& where, const std::string& name) {
   return where + ": camera \"" + name + "\": ";
@@ -37,6 +39,7 @@ Mat3 rotationFromEntry(const CameraEntry& entry, const std::string& where) {
     throw Error(where + "rotation is a matrix that is no rotation (R'R is off the identity by " +
                 text(stray) + ", the determinant is " + text(matrix.determinant()) +
                 "); orthonormal rows and determinant +1 would be right");
+  if (stray <= kExactRotation) return matrix;
   return Eigen::Quaterniond(matrix).normalized().toRotationMatrix();
 }
 

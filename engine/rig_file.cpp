@@ -213,6 +213,13 @@ std::vector<double> writtenDistortions(const Lens& lens) {
   return {k.begin(), k.begin() + (is_rational ? 8 : 5)};
 }
 
+void writeMatrix(std::ostream& out, const char* key, const Mat3& matrix) {
+  out << key << " = [";
+  for (int row = 0; row < 3; ++row)
+    out << (row ? ", [" : "[") << matrix(row, 0) << ", " << matrix(row, 1) << ", " << matrix(row, 2) << "]";
+  out << "]\n";
+}
+
 void writeList(std::ostream& out, const std::string& key, const std::vector<double>& values) {
   out << key << " = [";
   for (size_t i = 0; i < values.size(); ++i) out << (i ? ", " : "") << values[i];
@@ -231,14 +238,15 @@ Rig readRig(const std::filesystem::path& file, RigUnits units) {
   return rig;
 }
 
-void writeRig(const std::filesystem::path& file, const Rig& rig) {
+void writeRig(const std::filesystem::path& file, const Rig& rig, WrittenRotations rotations) {
   std::ostringstream out;
   out.imbue(std::locale::classic());
   out.precision(17);  // a double comes back as it was
   for (size_t i = 0; i < rig.cameras.size(); ++i) {
     const Camera& camera = rig.cameras[i];
     const Lens& lens = camera.lens;
-    const Eigen::AngleAxisd turn(Mat3(camera.camera_from_world.linear()));
+    const Mat3 matrix = camera.camera_from_world.linear();
+    const Eigen::AngleAxisd turn(matrix);
     const Vec3 rotation = turn.angle() * turn.axis();
     const Vec3 translation = camera.camera_from_world.translation();
     out << "[cam_" << i << "]\nname = " << quoted(camera.name) << "\nsize = [" << camera.width << ", "
@@ -246,7 +254,10 @@ void writeRig(const std::filesystem::path& file, const Rig& rig) {
         << lens.cy << "], [0, 0, 1]]\n";
     writeList(out, "distortions", writtenDistortions(lens));
     if (lens.model == LensModel::kFisheye) out << "fisheye = true\n";
-    writeList(out, "rotation", {rotation.begin(), rotation.end()});
+    if (rotations == WrittenRotations::kMatrices)
+      writeMatrix(out, "rotation", matrix);
+    else
+      writeList(out, "rotation", {rotation.begin(), rotation.end()});
     writeList(out, "translation", {translation.begin(), translation.end()});
     out << '\n';
   }

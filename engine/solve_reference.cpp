@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "engine/error.h"
+#include "engine/long_work.h"
 #include "engine/solve.h"
 
 namespace airclay {
@@ -215,9 +216,11 @@ AllRowsSolver::AllRowsSolver(const StencilMatrix& matrix) {
     throw Error("a cage of " + std::to_string(matrix.cols()) +
                 " control points is too large to sculpt; it can have up to " +
                 std::to_string(kMaxControlPoints));
+  workGoesOn(0.0);
   const StencilMatrix transposed = matrix.transpose();
   const Eigen::LLT<MatrixXd> factor{MatrixXd(StencilMatrix(transposed * matrix))};
   if (factor.info() == Eigen::Success && factor.rcond() > kWellConditioned) {
+    workGoesOn(0.3);  // two thirds of n^3 are the inverse
     gram_inverse_ = factor.solve(MatrixXd::Identity(matrix.cols(), matrix.cols()));
   } else {
     // (AᵀA)⁺ = V Σ⁺² Vᵀ, from the singular values of A itself.

@@ -18,8 +18,8 @@
 namespace airclay {
 namespace {
 
-ClayOptions tube() {
-  ClayOptions options;
+ClayState tube() {
+  ClayState options;
   options.cage = presetCage("tube");
   return options;
 }
@@ -236,7 +236,7 @@ TEST(Pipeline, AGivenHandSculptsWithoutCamerasAndTheClayCanBeReplaced) {
   EXPECT_EQ(pipeline.clay().surface().points, before);
   press();
   EXPECT_EQ(pipeline.clay().surface().points, pressed);
-  ClayOptions ball;
+  ClayState ball;
   ball.cage = presetCage("ball");
   ball.solve = SolveRows::kTouched;
   pipeline.setClay(ball);

@@ -130,6 +130,10 @@ Ran runAirclay(const std::vector<std::string>& words, const RunOptions& options)
     std::this_thread::sleep_for(std::chrono::milliseconds(options.terminate_after_ms));
     program.send(SIGTERM);
   }
+  if (options.interrupt_when) {
+    waitUntil([&] { return !program.running() || options.interrupt_when(); });
+    program.send(SIGINT);
+  }
   Ran ran;
   ran.status = *program.waitForExit(INFINITY);
   ran.output = contentOf(folder / "output");

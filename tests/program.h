@@ -54,6 +54,7 @@ struct Ran {
 struct RunOptions {
   std::map<std::string, std::string> environment;  ///< on top of this process' own
   int terminate_after_ms = 0;                      ///< SIGTERM after so long; 0: let it end
+  std::function<bool()> interrupt_when;            ///< SIGINT as soon as this is so, as Ctrl-C gives it
 };
 
 /// Runs `airclay` with these words; neither of its streams is a terminal.

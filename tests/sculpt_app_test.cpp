@@ -3,7 +3,10 @@
 // known truth.
 #include <gtest/gtest.h>
 
+#include <signal.h>
+
 #include <algorithm>
+#include <chrono>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
@@ -110,6 +113,57 @@ TEST(SculptApp, EndedEarlyItLeavesNothing) {
       {.environment = {}, .terminate_after_ms = 500});
   EXPECT_EQ(ran.status, 128 + 15);
   EXPECT_TRUE(std::filesystem::is_empty(out));
+}
+
+/// Ctrl-C once a file of this name stands in the folder: one line, status 130, and nothing half written.
+void expectInterrupted(const std::vector<std::string>& words, const std::filesystem::path& out,
+                       const std::string& name) {
+  SCOPED_TRACE(words.at(0));
+  const auto begun = [&] {
+    std::error_code ignored;
+    for (const auto& entry : std::filesystem::directory_iterator(out, ignored))
+      if (entry.path().filename().string().starts_with(name)) return true;
+    return false;
+  };
+  RunOptions options;
+  options.interrupt_when = begun;
+  const Ran ran = runAirclay(words, options);
+  EXPECT_EQ(ran.status, 128 + SIGINT);
+  EXPECT_EQ(ran.errors, "airclay: interrupted\n");
+  for (const auto& entry : std::filesystem::directory_iterator(out)) {
+    const std::string left = entry.path().filename();
+    EXPECT_EQ(left.find(".part-"), std::string::npos) << left;
+    EXPECT_EQ(left.find("unfinished"), std::string::npos) << left;
+    EXPECT_FALSE(left.ends_with(".mp4")) << left;
+    if (left.ends_with(".png")) {
+      EXPECT_GT(pictureSize(entry.path()).width, 0) << left;  // checks its end, too
+    }
+  }
+}
+
+TEST(SculptApp, CtrlCEndsItCleanly) {
+  const RecordedDemo take(kFrames);
+  const TemporaryFolder folder;
+  const std::string out = folder / "out";
+  std::filesystem::create_directory(out);
+  expectInterrupted({"sculpt", take.path(), "--background", take.background(), "--headless", "--out", out,
+                     "--video", folder / "out/film.mp4"},
+                    out, "before.png");
+  expectInterrupted({"demo", "--headless", "--out", folder / "demo"}, folder / "demo", "before.png");
+  expectInterrupted({"figures", "--out", folder / "figures"}, folder / "figures", "figure1.png");
+}
+
+TEST(SculptApp, CtrlCEndsAnExportCleanly) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "out");
+  const std::string large = folder / "out/large.obj";
+  RunOptions options;
+  const auto since = std::chrono::steady_clock::now();
+  options.interrupt_when = [&] { return std::chrono::steady_clock::now() - since > std::chrono::seconds(1); };
+  const Ran ran = runAirclay({"export", "ball", "--levels", "7", "--out", large}, options);  // 400,000 points
+  EXPECT_EQ(ran.status, 128 + SIGINT);
+  EXPECT_EQ(ran.errors, "airclay: interrupted\n");
+  EXPECT_TRUE(std::filesystem::is_empty(folder / "out"));
 }
 
 TEST(SculptApp, DemoSculptsFromPixels) {

@@ -20,7 +20,7 @@ struct Workshop {
            const Vec3& workspace_center = Vec3::Zero())
       : gpu(testGpu()),
         skin(hand.skin),
-        clay(gpu, ClayOptions{presetCage(preset), SubdivisionRule::kCatmullClark, levels, rows},
+        clay(gpu, ClayState{presetCage(preset), SubdivisionRule::kCatmullClark, levels, rows},
              workspace_center),
         sculptor(gpu, clay, hand),
         fit(gpu, 1, Memory::kHost),

@@ -10,17 +10,16 @@
 #include <assimp/scene.h>
 #include <assimp/Importer.hpp>
 #include <chrono>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "capture/picture_file.h"
-#include "capture/synthetic.h"
 #include "engine/mesh_file.h"
 #include "engine/presets.h"
 #include "tests/desktop.h"
 #include "tests/documents.h"
-#include "tests/gpu_fixture.h"
 #include "tests/program.h"
+#include "tests/small_take.h"
 
 namespace airclay {
 namespace {
@@ -352,43 +351,8 @@ TEST_F(Studio, FilesThatCannotBeCostNothing) {
   EXPECT_EQ(namesOf(Document::open(other)), (Words{"New tube", "Push", ">Push"}));
 }
 
-/// A recording of a hand that comes to the tube's side, presses it in and goes away: small pictures, few.
-/// Returns how many frames.
-int writeTake(const fs::path& folder) {
-  SyntheticOptions options;
-  for (Camera& camera : options.rig.cameras) {
-    camera.width /= 2;
-    camera.height /= 2;
-    for (double* value : {&camera.lens.fx, &camera.lens.fy, &camera.lens.cx, &camera.lens.cy}) *value /= 2;
-  }
-  const HandScript demo = demoScript();
-  const double appears_s = 10.0 / 30;
-  options.script = HandScript(appears_s, *demo.at(appears_s + 0.8),
-                              {{0.15, *demo.at(appears_s + 0.95)},
-                               {0.45, *demo.at(appears_s + 1.55)},
-                               {0.4, *demo.at(appears_s + 2.35)}});
-  Synthetic synthetic(testGpu(), options);
-  fs::create_directories(folder);
-  writeRig(folder / "rig.toml", synthetic.rig());
-  std::vector<std::vector<std::uint8_t>> pictures;
-  for (const Camera& camera : synthetic.rig().cameras) {
-    fs::create_directories(folder / camera.name);
-    pictures.emplace_back(std::size_t(3) * std::size_t(camera.width) * std::size_t(camera.height));
-  }
-  const std::vector<std::span<std::uint8_t>> buffers(pictures.begin(), pictures.end());
-  for (int frame = 0; synthetic.readPictures(frame, buffers); ++frame)
-    for (std::size_t c = 0; c < pictures.size(); ++c) {
-      std::vector<std::uint8_t> rgba;
-      for (std::size_t i = 0; i < pictures[c].size(); i += 3)
-        rgba.insert(rgba.end(), {pictures[c][i + 2], pictures[c][i + 1], pictures[c][i], 255});
-      const Camera& camera = synthetic.rig().cameras[c];
-      writePng(folder / camera.name / (std::to_string(frame) + ".png"), {camera.width, camera.height}, rgba);
-    }
-  return synthetic.frameCount();
-}
-
 TEST_F(Studio, ATakeIsPlayedToItsEndAndAlwaysMakesTheSameClay) {
-  const int frames = writeTake(folder / "take");
+  const int frames = writeSmallTake(folder / "take");
   // Twice in the window, where pictures and frames come as they come.
   for (const char* name : {"a.clay", "b.clay"}) {
     startWithoutHint({at("take"), "--background", "10", "--save", at(name)});
@@ -415,6 +379,204 @@ TEST_F(Studio, ATakeIsPlayedToItsEndAndAlwaysMakesTheSameClay) {
   const ClayState headless = Document::open(at("c.clay")).state();
   EXPECT_GT(farthestMove(headless, tubeState()), 0.005);
   EXPECT_TRUE(sameClay(headless, Document::open(at("d.clay")).state()));
+  EXPECT_TRUE(sameClay(headless, once));  // the window's own way
+}
+
+/// The folder that a recording went to, as the window said it.
+fs::path recordingIn(const fs::path& folder) {
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.path().filename().string().starts_with("recording-")) return entry.path();
+  return {};
+}
+
+TEST_F(Studio, WhatWasRecordedWithTheMouseIsDoneAgain) {
+  folder.write("config/airclay/studio.toml",
+               "first_run = false\nfolder = '" + folder.path().string() + "'\n");
+  start({"--save", at("a.clay")});
+  ASSERT_TRUE(push()) << log();  // before: the recording begins with clay that was pushed
+  desktop->key("ctrl+r");
+  ASSERT_TRUE(sees([](const json& line) { return line["recording"] == true; })) << log();
+  desktop->key("x");
+  ASSERT_TRUE(push(1)) << log();
+  desktop->keyDown("Right");
+  ASSERT_TRUE(waitUntil([&] { return log()["recorded_frames"] > 40; }));
+  desktop->keyUp("Right");
+  ASSERT_TRUE(seesCounts(3, 0)) << log();
+  desktop->key("r");
+  ASSERT_TRUE(seesCounts(4, 0)) << log();
+  for (int i = 0; i < 4; ++i) desktop->key("ctrl+z");  // one more than was recorded
+  ASSERT_TRUE(seesCounts(0, 4)) << log();
+  desktop->key("ctrl+shift+z");
+  desktop->key("ctrl+shift+z");
+  ASSERT_TRUE(seesCounts(2, 2)) << log();
+  desktop->key("3");
+  ASSERT_TRUE(push(2)) << log();
+  desktop->key("ctrl+r");
+  ASSERT_TRUE(seesNote("recorded ")) << log();
+  EXPECT_TRUE(sees([](const json& line) { return line["recording"] == false; }));
+  close();
+  const Document once = Document::open(at("a.clay"));
+  EXPECT_EQ(namesOf(once), (Words{"New tube", "Push", "Push", ">Smooth"}));
+
+  const fs::path recording = recordingIn(folder.path());
+  ASSERT_FALSE(recording.empty());
+  const Ran ran = runAirclay({"sculpt", recording, "--headless", "--save", at("b.clay"), "--out", at("out")},
+                             {.environment = {{"AIRCLAY_VALIDATION", "1"}}});
+  ASSERT_EQ(ran.status, 0) << ran.errors;
+  EXPECT_EQ(ran.errors, "");
+  EXPECT_TRUE(sameClay(Document::open(at("b.clay")).state(), once.state()));
+  EXPECT_EQ(namesOf(Document::open(at("b.clay"))), namesOf(once));
+
+  start({recording, "--save", at("c.clay")});  // and before one's eyes
+  ASSERT_TRUE(sees([](const json& line) { return line["ended"] == true; })) << log();
+  close();
+  EXPECT_TRUE(sameClay(Document::open(at("c.clay")).state(), once.state()));
+}
+
+TEST_F(Studio, WhatWasRecordedOfATakeIsDoneAgain) {
+  writeSmallTake(folder / "take");
+  folder.write("config/airclay/studio.toml",
+               "first_run = false\nsteady_hand = false\nfolder = '" + folder.path().string() + "'\n");
+  start({at("take"), "--save", at("a.clay")});
+  // from the midst of it, when the empty workspace has long been learned
+  ASSERT_TRUE(sees([](const json& line) { return line["ended"] == true; }, 3 * kDeadlineS)) << log();
+  desktop->key("ctrl+r");
+  ASSERT_TRUE(sees([](const json& line) { return line["recording"] == true; })) << log();
+  desktop->key("y");
+  desktop->key("BackSpace");
+  ASSERT_TRUE(sees([](const json& line) { return line["ended"] == false; })) << log();
+  ASSERT_TRUE(sees([](const json& line) { return line["ended"] == true; }, 3 * kDeadlineS)) << log();
+  desktop->key("ctrl+r");
+  ASSERT_TRUE(seesNote("recorded ")) << log();
+  close();
+  const ClayState once = Document::open(at("a.clay")).state();
+  const fs::path recording = recordingIn(folder.path());
+  const Ran ran = runAirclay({"sculpt", recording, "--headless", "--save", at("b.clay"), "--out", at("out")},
+                             {.environment = {{"AIRCLAY_VALIDATION", "1"}}});
+  ASSERT_EQ(ran.status, 0) << ran.errors;
+  EXPECT_EQ(ran.errors, "");
+  EXPECT_TRUE(sameClay(Document::open(at("b.clay")).state(), once));
+  EXPECT_GT(farthestMove(once, tubeState()), 0.005);
+}
+
+/// A grid of so many points a side, a little wavy: large, and quickly written.
+std::string gridObj(int side) {
+  std::string text;
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x)
+      text += "v " + std::to_string(0.3 * x / side - 0.15) + " " + std::to_string(0.3 * y / side - 0.15) +
+              " " + std::to_string(0.01 * std::sin(0.1 * x)) + "\n";
+  for (int y = 0; y + 1 < side; ++y)
+    for (int x = 0; x + 1 < side; ++x) {
+      const int a = y * side + x + 1;
+      text += "f " + std::to_string(a) + " " + std::to_string(a + 1) + " " + std::to_string(a + side + 1) +
+              " " + std::to_string(a + side) + "\n";
+    }
+  return text;
+}
+
+TEST_F(Studio, LongWorkIsCancelledAndLeavesEverythingAsItWas) {
+  folder.write("grid.obj", gridObj(400));  // 160,000 control points
+  const fs::path file = folder / "a.clay";
+  ASSERT_EQ(runAirclay({"new", file, "--clay", at("grid.obj"), "--levels", "1", "--solve", "touched"}).status,
+            0);
+  startWithoutHint({"--clay", file});
+  const auto works = [&](const std::string& what) {
+    return [what](const json& line) { return line["working"] == what; };
+  };
+  const ClayState begun = kept(file).state();
+  desktop->key("r");
+  ASSERT_TRUE(sees(works("refining"))) << log();
+  desktop->key("Escape");
+  EXPECT_TRUE(seesNote("cancelled")) << log();
+  EXPECT_TRUE(seesCounts(0, 0));
+  EXPECT_EQ(log()["control_points"], 160'000);
+  close();
+  EXPECT_TRUE(sameClay(Document::open(file).state(), begun));
+}
+
+TEST_F(Studio, TheClutchsKeyIsChosenInTheWindow) {
+  const fs::path file = folder / "a.clay";
+  folder.write("config/airclay/studio.toml", "first_run = false\nclutch = 1\n");
+  start({"--save", file});
+  const auto clickKey = [&] {
+    desktop->moveTo(130, 252);  // "Key: Space", in the tools
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    desktop->press();
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    desktop->release();
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  };
+  EXPECT_EQ(log()["clutch_key"], "Space");
+  clickKey();
+  desktop->key("g");
+  EXPECT_TRUE(seesNote("G is there already: control cage")) << log();
+  EXPECT_EQ(log()["clutch_key"], "Space");
+  clickKey();
+  desktop->key("w");  // held keys, too
+  EXPECT_TRUE(seesNote("W is there already: farther, nearer")) << log();
+  clickKey();
+  desktop->key("F8");
+  EXPECT_TRUE(sees([](const json& line) { return line["clutch_key"] == "F8"; })) << log();
+  // it is the clutch: without it the hand passes through
+  desktop->key("6");
+  desktop->moveTo(500, 560);
+  desktop->press();
+  for (int x = 500; x <= 760; x += 10) desktop->moveTo(x, 560);
+  std::this_thread::sleep_for(std::chrono::seconds(2));
+  EXPECT_TRUE(seesCounts(0, 0));
+  for (int x = 760; x >= 500; x -= 10) desktop->moveTo(x, 560);
+  desktop->release();
+  desktop->keyDown("F8");
+  ASSERT_TRUE(push()) << log();
+  desktop->keyUp("F8");
+  close();
+  EXPECT_NE(contentOf(folder / "config/airclay/studio.toml").find("clutch_key = 297"), std::string::npos);
+}
+
+TEST_F(Studio, AHandThatWasLostDoesNotTakeHoldByItself) {
+  const fs::path file = folder / "a.clay";
+  folder.write("config/airclay/studio.toml", "first_run = false\nclutch = 1\ntool = 1\n");
+  start({"--save", file});
+  const auto isBarred = [](bool barred) {
+    return [barred](const json& line) { return line["grip_barred"] == barred; };
+  };
+  desktop->keyDown("space");
+  pushIn();  // which here takes hold
+  desktop->release();
+  desktop->key("h");  // the hand is gone
+  EXPECT_TRUE(sees(isBarred(true))) << log();
+  ASSERT_TRUE(seesCounts(1, 0)) << log();
+  const ClayState pulled = kept(file).state();
+  desktop->key("h");  // and back, in the clay, the key still down
+  EXPECT_TRUE(sees([](const json& line) { return line["hand"] == "tracking"; })) << log();
+  desktop->press();
+  pullOut();
+  std::this_thread::sleep_for(std::chrono::seconds(2));
+  EXPECT_TRUE(seesCounts(1, 0)) << log();
+  EXPECT_EQ(log()["grip_barred"], true);
+  desktop->keyUp("space");
+  EXPECT_TRUE(sees(isBarred(false))) << log();
+  EXPECT_TRUE(sameClay(kept(file).state(), pulled));
+  desktop->keyDown("space");
+  pushIn();  // pressed anew it takes hold
+  desktop->keyUp("space");
+  EXPECT_TRUE(seesCounts(2, 0)) << log();
+  desktop->release();
+  close();
+}
+
+TEST_F(Studio, EveryCameraIsSeenInALowWindow) {
+  writeSmallTake(folder / "take");
+  folder.write("config/airclay/studio.toml", "first_run = false\nwindow_width = 1280\nwindow_height = 720\n");
+  start({at("take"), "--save", at("a.clay")});
+  ASSERT_TRUE(sees([](const json& line) { return line["ended"] == true; }, 3 * kDeadlineS)) << log();
+  EXPECT_EQ(log()["cameras_shown"], 4) << log();
+  desktop->resize(1280, 1000);
+  EXPECT_TRUE(sees([](const json& line) { return line["height"] == 1000 && line["cameras_shown"] == 4; }));
+  desktop->resize(900, 500);
+  EXPECT_TRUE(sees([](const json& line) { return line["height"] == 500; }));
+  close();
 }
 
 }  // namespace

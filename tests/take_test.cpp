@@ -234,13 +234,34 @@ TEST_F(TakeTest, timesAreTheMeanOfTheCameras) {
   EXPECT_NEAR(take.timeOf(1), 10.2, 1e-12);
   EXPECT_NEAR(take.timeOf(2), 10.35, 1e-12);
   EXPECT_NEAR(take.rateHz(), 8, 1e-9);
+  EXPECT_EQ(take.cameraTimesOf(1), (std::vector<double>{10.1, 10.3}));
+  EXPECT_NEAR(*skewOf(take.cameraTimesOf(2)), 0.3, 1e-12);
+}
+
+TEST_F(TakeTest, withoutTimestampsThereIsNoSkew) {
+  writeVideos(3, 3);
+  const Take take(folder.path());
+  EXPECT_TRUE(take.cameraTimesOf(1).empty());
+  EXPECT_FALSE(skewOf(take.cameraTimesOf(1)));
+}
+
+TEST_F(TakeTest, whatBrokeOffIsReadAsFarAsItGoes) {
+  writeVideos(3, 3);
+  folder.write("timestamps.csv", "cam_id,frame_time\nleft,1\nright,1\nleft,2\nright,2\nleft,2.5\nri");
+  expectFault({"timestamps.csv:7:"});
+  TakeOptions options;
+  options.unfinished = true;
+  EXPECT_EQ(Take(folder.path(), options).frameCount(), 2);
+  options.most_frames = 1;
+  EXPECT_EQ(Take(folder.path(), options).frameCount(), 1);
 }
 
 TEST(Timestamps, camerasGoByNameOrNumber) {
   const TemporaryFolder folder;
   const auto read = [&](const std::string& rows, const std::vector<std::string>& names) {
-    return readFrameTimes(folder.write("timestamps.csv", "sync_index,cam_id,frame_time\n" + rows), names,
-                          1)[0];
+    const std::vector<double> times =
+        readFrameTimes(folder.write("timestamps.csv", "sync_index,cam_id,frame_time\n" + rows), names, 1)[0];
+    return (times.at(0) + times.at(1)) / 2;
   };
   EXPECT_EQ(read("0,0,1\n0,1,2\n", {"left", "right"}), 1.5);    // the place in the rig
   EXPECT_EQ(read("0,7,1\n0,5,2\n", {"cam_5", "cam_07"}), 1.5);  // the number in the name

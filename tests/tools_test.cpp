@@ -44,7 +44,7 @@ PolygonMesh sheetCage(int quads) {
 struct Workshop {
   Workshop(const PolygonMesh& cage, SolveRows rows, const HandModel& hand, int levels = 2)
       : grid(contactGrid(hand.skin)),
-        clay(testGpu(), ClayOptions{cage, SubdivisionRule::kCatmullClark, levels, rows}, Vec3::Zero()),
+        clay(testGpu(), ClayState{cage, SubdivisionRule::kCatmullClark, levels, rows}, Vec3::Zero()),
         sculptor(testGpu(), clay, grid),
         fit(testGpu(), 1, Memory::kHost),
         recorder(testGpu()) {}

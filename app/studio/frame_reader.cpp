@@ -4,7 +4,8 @@
 #include <utility>
 
 namespace airclay {
-FrameReader::FrameReader(Recording& recording) : recording_(recording), thread_([this] { run(); }) {}
+FrameReader::FrameReader(Recording& recording, bool paced)
+    : recording_(recording), paced_(paced), thread_([this] { run(); }) {}
 
 FrameReader::~FrameReader() {
   {
@@ -37,7 +38,7 @@ void FrameReader::run() {
 
 /// When the next frame is due: at the recording's own pace.
 Clock::time_point FrameReader::due() const {
-  if (next_ == 0) return Clock::now();
+  if (next_ == 0 || !paced_) return Clock::now();
   const std::chrono::duration<double> interval(1 / recording_.rateHz());
   return last_captured_ + std::chrono::duration_cast<Clock::duration>(interval);
 }
@@ -64,6 +65,7 @@ bool FrameReader::waitForRoom() {
 void FrameReader::read(FrameSet& set) {
   set.frame = next_;
   set.time_s = recording_.timeOf(set.frame);
+  set.camera_times_s = recording_.cameraTimesOf(set.frame);
   set.captured_at = Clock::now();
   const std::vector<Camera>& cameras = recording_.rig().cameras;
   set.bytes.resize(cameras.size());  // whoever took the last set gave another for it
@@ -75,7 +77,7 @@ void FrameReader::read(FrameSet& set) {
     recording_.readSilhouettes(set.frame, buffers);
   else
     recording_.readPictures(set.frame, buffers);
-  set.decode_ms = std::chrono::duration<double, std::milli>(Clock::now() - set.captured_at).count();
+  set.decode_ms = millisecondsSince(set.captured_at);
 }
 
 void FrameReader::ask() {

@@ -12,10 +12,9 @@
 #include <thread>
 
 #include "capture/recording.h"
+#include "engine/clock.h"
 
 namespace airclay {
-
-using Clock = std::chrono::steady_clock;
 
 /// The pictures of all cameras at one instant, or their masks.
 struct FrameSet {
@@ -23,14 +22,15 @@ struct FrameSet {
   double time_s = 0;              ///< the recording's
   Clock::time_point captured_at;  ///< when the frame was due, and its decoding began
   double decode_ms = 0;
+  std::vector<double> camera_times_s;            ///< empty where the cameras have none of their own
   std::vector<std::vector<std::uint8_t>> bytes;  ///< one a camera: BGR, or a mask's bytes
 };
 
 class FrameReader {
  public:
-  /// Frames come in order, none is left out, at most as fast as they were taken. `recording` must outlive
-  /// this.
-  explicit FrameReader(Recording& recording);
+  /// Frames come in order, none is left out; where `paced`, not faster than the recording itself and not long
+  /// before they are wanted, else as fast as they are taken. `recording` must outlive this.
+  explicit FrameReader(Recording& recording, bool paced = true);
   ~FrameReader();
 
   /// The next one will be taken soon: it is read now, or when it is due.
@@ -50,6 +50,7 @@ class FrameReader {
   void read(FrameSet& set);
 
   Recording& recording_;
+  const bool paced_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   bool stop_ = false, paused_ = false, restart_ = false, full_ = false;

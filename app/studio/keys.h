@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,10 +12,11 @@ namespace airclay {
 struct KeyBinding {
   int key = 0;  ///< GLFW's number
   bool ctrl = false, shift = false;
-  std::string shown;          ///< "Ctrl Z"
-  std::string does;           ///< "undo"
-  std::function<void()> act;  ///< when pressed; none: held keys and the mouse, handled where they belong
-  bool repeats = false;       ///< while it is held down
+  std::string shown;           ///< "Ctrl Z"
+  std::string does;            ///< "undo"
+  std::function<void()> act;   ///< when pressed; none: held keys and the mouse, handled where they belong
+  bool repeats = false;        ///< while it is held down
+  std::vector<int> held = {};  ///< without `act`: the keys that mean something while they are down
 };
 
 struct KeyGroup {
@@ -24,6 +26,13 @@ struct KeyGroup {
 
 /// Calls what the keys pressed in this picture mean. \pre between Window::begin() and present()
 void obeyKeys(const std::vector<KeyGroup>& groups);
+
+/// What a key is called on this keyboard: "Space", "F13", "Q".
+std::string keyName(int key);
+/// The key that went down in this picture, of those that name something; 0 when there is none.
+int keyPressed();
+/// What a key does already, without Ctrl or Shift; none when it is free for the clutch.
+std::optional<std::string> meaningOf(const std::vector<KeyGroup>& groups, int key);
 
 /// The overlay with all of them; false once it is closed.
 bool drawHelp(const std::vector<KeyGroup>& groups);

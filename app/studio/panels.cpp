@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "app/command.h"
+#include "app/studio/keys.h"
 #include "app/studio/look.h"
 #include "app/tracking.h"
 #include "engine/presets.h"
@@ -18,6 +19,7 @@ constexpr ImGuiWindowFlags kPanel = ImGuiWindowFlags_NoMove | ImGuiWindowFlags_N
                                     ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoFocusOnAppearing |
                                     ImGuiWindowFlags_NoNav;
 constexpr float kMargin = 12;
+constexpr double kWorkShownAfterMs = 300;
 constexpr std::size_t kHistory = 150;  // five seconds at 30 Hz
 
 ImVec4 colorOf(std::uint32_t packed) {
@@ -84,10 +86,11 @@ PanelWishes Panels::draw(const Snapshot& snapshot, const Stage& stage, const Met
   const DocumentView document = session_.documentView();
   drawMenu(document, wishes);
   if (settings_.show_panels) {
-    drawTools(document);
+    drawTools(document, wishes);
     drawStatus(snapshot, stage, meter);
   }
   drawHint(snapshot, stage);
+  drawWork();
   return wishes;
 }
 
@@ -102,6 +105,8 @@ void Panels::drawMenu(const DocumentView& document, PanelWishes& wishes) {
     }
     wishes.open = ImGui::MenuItem("Open...", "Ctrl O");
     wishes.save_as = ImGui::MenuItem("Save as...", "Ctrl S");
+    wishes.record = ImGui::MenuItem(session_.recorderView().recording ? "Stop recording" : "Record", "Ctrl R",
+                                    false, !session_.replaying());
     ImGui::Separator();
     wishes.import = ImGui::MenuItem("Import a cage (OBJ)...");
     wishes.export_surface = ImGui::MenuItem("Export the surface...", "Ctrl E");
@@ -133,7 +138,7 @@ void Panels::drawMenu(const DocumentView& document, PanelWishes& wishes) {
   ImGui::EndMainMenuBar();
 }
 
-void Panels::drawTools(const DocumentView& document) {
+void Panels::drawTools(const DocumentView& document, PanelWishes& wishes) {
   ImGui::SetNextWindowPos(ImVec2(kMargin, menu_height_ + kMargin));
   ImGui::Begin("Sculpt", nullptr, kPanel);
   const float em = ImGui::GetFontSize();
@@ -161,15 +166,8 @@ void Panels::drawTools(const DocumentView& document) {
     if (toggle(label, on, ImVec2(third.x, em * 1.8f))) on = !on;
     tip(words);
   }
-  ImGui::TextDisabled("Clutch");
   const float half = (3 * third.x + ImGui::GetStyle().ItemSpacing.x) / 2;
-  if (toggle("On touch", settings_.clutch == Clutch::kContact, ImVec2(half, em * 1.8f)))
-    settings_.clutch = Clutch::kContact;
-  tip("Whatever the hand touches, it shapes");
-  ImGui::SameLine();
-  if (toggle("Hold a key", settings_.clutch == Clutch::kHold, ImVec2(half, em * 1.8f)))
-    settings_.clutch = Clutch::kHold;
-  tip("Only while the space bar or a pedal is down");
+  drawClutch(half, wishes);
   ImGui::Checkbox("Steady hand", &settings_.steady);
   tip("A hand at rest does not tremble; costs a few milliseconds");
   ImGui::Separator();
@@ -179,8 +177,57 @@ void Panels::drawTools(const DocumentView& document) {
   ImGui::SameLine();
   if (ImGui::Button("Redo", pair)) session_.redo();
   tip(document.redo ? document.redo->c_str() : "nothing to redo");
+  drawRecorder(ImVec2(2 * half + ImGui::GetStyle().ItemSpacing.x, em * 1.9f), wishes);
   drawForm(document);
   if (ImGui::CollapsingHeader("Show")) drawShown();
+  ImGui::End();
+}
+
+void Panels::drawClutch(float half, PanelWishes& wishes) {
+  const ImVec2 size(half, ImGui::GetFontSize() * 1.8f);
+  ImGui::TextDisabled("Clutch");
+  if (toggle("On touch", settings_.clutch == Clutch::kContact, size)) settings_.clutch = Clutch::kContact;
+  tip("Whatever the hand touches, it shapes");
+  ImGui::SameLine();
+  if (toggle("Hold a key", settings_.clutch == Clutch::kHold, size)) settings_.clutch = Clutch::kHold;
+  tip("Only while the clutch's key is down; a foot pedal types one, too");
+  if (settings_.clutch != Clutch::kHold) asks_for_key_ = false;
+  if (settings_.clutch != Clutch::kHold) return;
+  const std::string words =
+      asks_for_key_ ? "Press a key, or the pedal" : "Key: " + keyName(settings_.clutch_key);
+  if (toggle((words + "##clutch key").c_str(), asks_for_key_,
+             ImVec2(2 * half + ImGui::GetStyle().ItemSpacing.x, size.y)))
+    asks_for_key_ = !asks_for_key_;
+  tip("Choose another key");
+  if (!asks_for_key_) return;
+  wishes.clutch_key = keyPressed();
+  if (wishes.clutch_key != 0) asks_for_key_ = false;
+}
+
+void Panels::drawRecorder(const ImVec2& size, PanelWishes& wishes) {
+  const RecorderView recorder = session_.recorderView();
+  const std::string words =
+      recorder.recording ? "Stop  (" + std::to_string(recorder.frames) + " frames)" : "Record";
+  ImGui::BeginDisabled(session_.replaying());
+  if (toggle((words + "##record").c_str(), recorder.recording, size)) wishes.record = true;
+  ImGui::EndDisabled();
+  tip("Everything that is seen and done goes into a folder, to be played again  (Ctrl R)");
+  if (recorder.waited_s > 0.05)
+    ImGui::TextColored(colorOf(look::kDoubt), "the disk is slow: %.1f s waited", recorder.waited_s);
+}
+
+/// Work that takes longer than a blink, on the session's own thread.
+void Panels::drawWork() {
+  const WorkView work = session_.workView();
+  if (work.what.empty() || millisecondsSince(work.since) < kWorkShownAfterMs) return;
+  const ImVec2 size = ImGui::GetIO().DisplaySize;
+  const float em = ImGui::GetFontSize();
+  ImGui::SetNextWindowPos(ImVec2(size.x / 2, size.y / 2), ImGuiCond_Always, ImVec2(0.5f, 0.5f));
+  ImGui::Begin("##work", nullptr, kPanel | ImGuiWindowFlags_NoDecoration);
+  ImGui::Text("%s, %.0f s", work.what.c_str(), 1e-3 * millisecondsSince(work.since));
+  ImGui::ProgressBar(static_cast<float>(work.share), ImVec2(em * 18, 0), "");
+  if (ImGui::Button("Cancel  (Esc)") || ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape), false))
+    session_.cancelWork();
   ImGui::End();
 }
 
@@ -233,6 +280,10 @@ void Panels::drawStatus(const Snapshot& snapshot, const Stage& stage, const Mete
   if (session_.hasRecording()) {
     const HandFit& fit = snapshot.result.fit;
     if (fit.tracked) ImGui::Text("%.0f %% of the skin outside the hull", 100 * fit.outside_fraction);
+    if (snapshot.skew_s)
+      ImGui::Text("%.1f ms between the cameras", 1000 * *snapshot.skew_s);
+    else
+      ImGui::TextDisabled("cameras without times of their own");
     drawStages(snapshot);
   }
   if (settings_.show_graph && meter.history().size() > 1) {
@@ -250,7 +301,7 @@ void Panels::drawStatus(const Snapshot& snapshot, const Stage& stage, const Mete
 void Panels::drawStages(const Snapshot& snapshot) {
   std::string words = "decode " + fixed(snapshot.decode_ms, 1);
   for (const auto& [name, ms] : snapshot.result.stage_ms) words += ", " + name + " " + fixed(ms, 1);
-  if (settings_.steady && snapshot.result.fit.tracked) words += ", steady " + fixed(snapshot.steady_ms, 0);
+  if (snapshot.steady_ms) words += ", steady " + fixed(*snapshot.steady_ms, 0);
   const float top = ImGui::GetCursorPosY();
   ImGui::PushTextWrapPos(ImGui::GetCursorPosX() + Session::kThumbnailWidth -
                          2 * ImGui::GetStyle().WindowPadding.x);
@@ -261,33 +312,69 @@ void Panels::drawStages(const Snapshot& snapshot) {
                                 top + 3 * ImGui::GetTextLineHeight() + ImGui::GetStyle().ItemSpacing.y));
 }
 
-/// The pictures themselves lie under the interface, so this panel has no ground of its own.
+/// The pictures themselves lie under the interface, so this panel has no ground of its own. Where there is no
+/// room for all, they are half as large, in two columns; of still more the wheel brings the others.
 void Panels::drawCameras(const Snapshot& snapshot, const Stage& stage) {
   const std::vector<Camera>& cameras = session_.rig().cameras;
   const ImVec2 window = ImGui::GetIO().DisplaySize;
-  constexpr auto width = static_cast<float>(Session::kThumbnailWidth);
-  const float left = window.x - kMargin - width;
-  float top = status_bottom_ + kMargin;
-  ImDrawList* draw = ImGui::GetBackgroundDrawList();
-  for (std::size_t c = 0; c < cameras.size(); ++c) {
-    const int height = session_.thumbnailHeight(c);
-    if (top + static_cast<float>(height) > window.y - kMargin) break;  // as many as there is room for
-    insets_.push_back({&session_.thumbnails(), session_.thumbnailStart(c), Session::kThumbnailWidth, height,
-                       static_cast<int>(left), static_cast<int>(top)});
-    if (snapshot.result.fit.tracked) {
-      const float scale = width / static_cast<float>(cameras[c].width);
-      for (const auto& [a, b] : stage.outline(c, snapshot.result.fit.world_from_hand))
-        draw->AddLine(ImVec2(left + scale * float(a.x()), top + scale * float(a.y())),
-                      ImVec2(left + scale * float(b.x()), top + scale * float(b.y())), 0xFFFFFFFFu, 1.2f);
-    }
-    draw->AddText(ImVec2(left + 6, top + 3), 0xE0FFFFFFu, cameras[c].name.c_str());
-    top += static_cast<float>(height) + 4;
+  constexpr auto gap = static_cast<float>(Session::kThumbnailGap);
+  const float top = status_bottom_ + kMargin, room = window.y - kMargin - top;
+  const auto heightOf = [&](bool small) {
+    int height = 0;
+    for (std::size_t c = 0; c < cameras.size(); ++c)
+      height = std::max(height, session_.thumbnail(c, small).height);
+    return static_cast<float>(height) + gap;
+  };
+  const bool small = heightOf(false) * static_cast<float>(cameras.size()) > room;
+  const std::size_t columns = small ? 2 : 1, rows = (cameras.size() + columns - 1) / columns;
+  const auto shown = static_cast<std::size_t>(std::max(1.0f, room / heightOf(small)));
+  const std::size_t first = scrollCameras(rows, shown, ImVec2(window.x - kMargin, top), room);
+  for (std::size_t c = first * columns; c < std::min(cameras.size(), (first + shown) * columns); ++c) {
+    const Session::Thumbnail& picture = session_.thumbnail(c, small);
+    const float left = window.x - kMargin - static_cast<float>(Session::kThumbnailWidth) +
+                       static_cast<float>(c % columns) * (static_cast<float>(picture.width) + gap);
+    drawCamera(c, picture, ImVec2(left, top + static_cast<float>(c / columns - first) * heightOf(small)),
+               snapshot, stage);
   }
+}
+
+/// The first row that is shown.
+std::size_t Panels::scrollCameras(std::size_t rows, std::size_t shown, const ImVec2& right_top, float room) {
+  if (rows <= shown) return 0;
+  constexpr auto width = static_cast<float>(Session::kThumbnailWidth);
+  ImGui::SetNextWindowPos(ImVec2(right_top.x - width, right_top.y));
+  ImGui::SetNextWindowSize(ImVec2(width, room));
+  ImGui::Begin("##cameras", nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoBackground |
+                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing |
+                   ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoMove);
+  if (ImGui::IsWindowHovered()) first_camera_row_ -= static_cast<int>(ImGui::GetIO().MouseWheel);
+  tip("The wheel brings the other cameras");
+  ImGui::End();
+  first_camera_row_ = std::clamp(first_camera_row_, 0, static_cast<int>(rows - shown));
+  return static_cast<std::size_t>(first_camera_row_);
+}
+
+void Panels::drawCamera(std::size_t c, const Session::Thumbnail& picture, const ImVec2& at,
+                        const Snapshot& snapshot, const Stage& stage) {
+  const Camera& camera = session_.rig().cameras[c];
+  insets_.push_back({&session_.thumbnails(), picture.first, picture.width, picture.height,
+                     static_cast<int>(at.x), static_cast<int>(at.y)});
+  ImDrawList* draw = ImGui::GetBackgroundDrawList();
+  if (snapshot.result.fit.tracked) {
+    const float scale = static_cast<float>(picture.width) / static_cast<float>(camera.width);
+    for (const auto& [a, b] : stage.outline(c, snapshot.result.fit.world_from_hand))
+      draw->AddLine(ImVec2(at.x + scale * float(a.x()), at.y + scale * float(a.y())),
+                    ImVec2(at.x + scale * float(b.x()), at.y + scale * float(b.y())), 0xFFFFFFFFu, 1.2f);
+  }
+  draw->AddText(ImVec2(at.x + 6, at.y + 3), 0xE0FFFFFFu, camera.name.c_str());
 }
 
 void Panels::drawHint(const Snapshot& snapshot, const Stage& stage) {
   std::string words;
-  if (stage.gapMetres()) {
+  if (snapshot.grip_barred) {
+    words = "The hand was lost: press the clutch again to take hold";
+  } else if (stage.gapMetres()) {
     const double gap_mm = 1000 * *stage.gapMetres();
     words = gap_mm > 0.5 ? fixed(gap_mm, 0) + " mm to the clay" : "touching";
   } else if (!session_.hasRecording() && !snapshot.world_from_hand) {

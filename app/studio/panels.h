@@ -4,6 +4,8 @@
 
 #include <deque>
 
+struct ImVec2;
+
 #include "app/studio/settings.h"
 #include "app/studio/stage.h"
 #include "app/studio/window.h"
@@ -31,7 +33,9 @@ class Meter {
 struct PanelWishes {
   bool open = false, save_as = false, import = false, export_surface = false, export_cage = false,
        help = false;
+  bool record = false;   ///< begin a recording, or end the one under way
   std::string new_clay;  ///< a preset's name
+  int clutch_key = 0;    ///< GLFW's number of the key that was pressed when one was asked for
 };
 
 class Panels {
@@ -41,21 +45,31 @@ class Panels {
   PanelWishes draw(const Snapshot& snapshot, const Stage& stage, const Meter& meter);
   /// Where the cameras' pictures lie, of the panels drawn last.
   std::span<const Inset> insets() const { return insets_; }
+  /// The next key that is pressed is to be the clutch: it means nothing else.
+  bool asksForKey() const { return asks_for_key_; }
 
  private:
   void drawMenu(const DocumentView& document, PanelWishes& wishes);
-  void drawTools(const DocumentView& document);
+  void drawTools(const DocumentView& document, PanelWishes& wishes);
+  void drawClutch(float half, PanelWishes& wishes);
+  void drawRecorder(const ImVec2& size, PanelWishes& wishes);
+  void drawWork();
   void drawForm(const DocumentView& document);
   void drawShown();
   void drawStatus(const Snapshot& snapshot, const Stage& stage, const Meter& meter);
   void drawStages(const Snapshot& snapshot);
   void drawCameras(const Snapshot& snapshot, const Stage& stage);
+  std::size_t scrollCameras(std::size_t rows, std::size_t shown, const ImVec2& right_top, float room);
+  void drawCamera(std::size_t camera, const Session::Thumbnail& picture, const ImVec2& at,
+                  const Snapshot& snapshot, const Stage& stage);
   void drawHint(const Snapshot& snapshot, const Stage& stage);
 
   Session& session_;
   StudioSettings& settings_;
   std::vector<Inset> insets_;
   float menu_height_ = 0, status_bottom_ = 0;  ///< pixels, of the last picture
+  bool asks_for_key_ = false;
+  int first_camera_row_ = 0;  ///< of more cameras than there is room for
 };
 
 }  // namespace airclay

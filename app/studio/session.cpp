@@ -6,9 +6,6 @@
 
 #include "engine/clay.h"
 #include "engine/error.h"
-#include "engine/mesh_export.h"
-#include "engine/mesh_file.h"
-#include "engine/refine.h"
 
 namespace airclay {
 namespace {
@@ -22,6 +19,10 @@ constexpr auto kThumbnailsStay = std::chrono::milliseconds(90);
 constexpr std::size_t kClayPoints = 2000;
 /// A window that draws nothing for so long is minimised, or busy with something else.
 constexpr auto kPictureWait = std::chrono::milliseconds(50);
+// 5 cm/s: slower, the filter's lag is of no distance.
+constexpr double kMovingMetresS = 0.05;
+// Ten sets of four VGA cameras are 37 MB.
+constexpr std::size_t kKeptLearnedBytes = std::size_t(128) << 20;
 
 HandTrust trustIn(const FrameResult& result) {
   switch (result.hand) {
@@ -39,14 +40,10 @@ HandTrust trustIn(const FrameResult& result) {
   return doubtful ? HandTrust::kUncertain : HandTrust::kTracking;
 }
 
-ClayOptions optionsFor(const ClayState& state) {
-  return {state.cage, state.rule, state.levels, state.solve};
-}
-
-/// Whether the same buffers hold both.
-bool sameForm(const ClayState& a, const ClayState& b) {
-  return a.rule == b.rule && a.levels == b.levels && a.solve == b.solve && a.cage.faces == b.cage.faces &&
-         a.cage.points.size() == b.cage.points.size();
+std::size_t bytesOf(const FrameSet& set) {
+  std::size_t bytes = 0;
+  for (const std::vector<std::uint8_t>& one : set.bytes) bytes += one.size();
+  return bytes;
 }
 
 }  // namespace
@@ -54,17 +51,13 @@ bool sameForm(const ClayState& a, const ClayState& b) {
 Session::Session(Gpu& gpu, const Options& options, Document document)
     : gpu_(gpu),
       options_(options),
-      pipeline_(gpu, options.rig, options.hand, {options.voxels}, optionsFor(document.state())),
+      pipeline_(gpu, options.rig, options.hand, {options.voxels}, document.state()),
       document_(std::move(document)),
       form_(document_.state()),
-      strokes_(document_) {
-  std::size_t pixels = 0;
-  for (std::size_t c = 0; c < options_.rig.cameras.size(); ++c) {
-    thumbnail_starts_.push_back(pixels);
-    pixels += std::size_t(kThumbnailWidth) * std::size_t(thumbnailHeight(c));
-  }
-  thumbnails_ = Buffer<std::uint32_t>(gpu, pixels, Memory::kHost);
-  if (options_.recording) reader_.emplace(*options_.recording);
+      strokes_(document_),
+      settings_(options.settings) {
+  placeThumbnails();
+  if (options_.recording) reader_.emplace(*options_.recording, !options_.headless);
   refreshDocumentView();
   lookAtClay(snapshot_, true);
   thread_ = std::thread([this] { run(); });
@@ -72,7 +65,12 @@ Session::Session(Gpu& gpu, const Options& options, Document document)
 
 Session::~Session() {
   stop_ = true;
+  if (thread_.joinable()) thread_.join();
+}
+
+void Session::finish() {
   thread_.join();
+  if (fault_) std::rethrow_exception(fault_);
 }
 
 // ----------------------------------------------------------------------------------------------- the
@@ -99,6 +97,16 @@ void Session::pictureSubmitted(std::uint64_t serial) {
   picture_submitted_.notify_all();
 }
 
+RecorderView Session::recorderView() const {
+  const std::lock_guard lock(mutex_);
+  return recorder_view_;
+}
+
+WorkView Session::workView() const {
+  const std::lock_guard lock(mutex_);
+  return work_view_;
+}
+
 void Session::set(const SessionSettings& settings) {
   const std::lock_guard lock(mutex_);
   settings_ = settings;
@@ -114,11 +122,6 @@ void Session::withClay(const std::function<void(const ClayOnDevice&)>& look) con
   look({pipeline_.clay(), form_, form_serial_});
 }
 
-int Session::thumbnailHeight(std::size_t camera) const {
-  const Camera& c = options_.rig.cameras[camera];
-  return std::max(1, kThumbnailWidth * c.height / c.width);
-}
-
 const Carver& Session::carver() const {
   return pipeline_.carver();
 }
@@ -126,122 +129,6 @@ const Carver& Session::carver() const {
 void Session::post(std::function<void()> command) {
   const std::lock_guard lock(mutex_);
   commands_.push_back(std::move(command));
-}
-
-void Session::undo() {
-  post([this] {
-    endStroke();
-    if (!document_.canUndo()) return note("nothing to undo");
-    const std::string name = *document_.canUndo();
-    document_.undo();
-    show(document_.state());
-    note("undone: " + name);
-  });
-}
-
-void Session::redo() {
-  post([this] {
-    endStroke();
-    if (!document_.canRedo()) return note("nothing to redo");
-    const std::string name = *document_.canRedo();
-    document_.redo();
-    show(document_.state());
-    note("redone: " + name);
-  });
-}
-
-void Session::refineClay() {
-  post([this] {
-    endStroke();
-    const ClayState refined = refine(document_.state());
-    document_.commit("Refine", refined);
-    show(refined);
-    note("refined: " + std::to_string(refined.cage.points.size()) + " control points");
-  });
-}
-
-void Session::setForm(int levels, SubdivisionRule rule, SolveRows solve) {
-  post([this, levels, rule, solve] {
-    endStroke();
-    ClayState state = document_.state();
-    state.levels = levels;
-    state.rule = rule;
-    state.solve = solve;
-    const int old_levels = document_.state().levels;
-    show(state);  // refuses what is too large before the document has it
-    document_.commit(levels != old_levels ? "Level " + std::to_string(levels) : "Settings", state);
-  });
-}
-
-void Session::turn(const Vec3& axis, double angle_rad, bool last) {
-  post([this, axis, angle_rad, last] {
-    if (!turning_) endStroke();
-    turning_ = !last;
-    const Mat3 turn = Eigen::AngleAxisd(angle_rad, axis).toRotationMatrix();
-    const Vec3& center = options_.rig.workspace.center;
-    std::vector<Vec3> points = pipeline_.clay().cage().points;
-    for (Vec3& point : points) point = center + turn * (point - center);
-    pipeline_.clay().setControlPoints(points);
-    if (last) document_.commit("Turn", stateOf(document_, pipeline_.clay()));
-  });
-}
-
-void Session::exportMesh(const std::filesystem::path& file, bool surface) {
-  post([this, file, surface] {
-    const ClayState state = stateOf(document_, pipeline_.clay());
-    const MeshExport written =
-        airclay::exportMesh(file, meshAtLevel(state.cage, surface ? state.levels : 0, state.rule));
-    note(file.filename().string() + ": " + std::to_string(written.faces) + " faces" +
-         (written.watertight() ? ", watertight" : ", open: a slicer will not print it"));
-  });
-}
-
-void Session::importCage(const std::filesystem::path& file) {
-  post([this, file] {
-    endStroke();
-    ClayState state = document_.state();
-    state.cage = readObj(file);
-    show(state);
-    document_.commit("Import " + file.filename().string(), state);
-    note("imported " + file.filename().string());
-  });
-}
-
-void Session::replaceClay(const ClayState& wanted, const std::string& name) {
-  post([this, wanted, name] {
-    endStroke();
-    show(wanted);
-    document_.commit(name, wanted);
-  });
-}
-
-void Session::saveAs(const std::filesystem::path& file) {
-  post([this, file] {
-    endStroke();
-    document_.saveAs(file);
-    document_ = Document::open(file);
-    note("saved as " + file.string());
-  });
-}
-
-void Session::openDocument(const std::filesystem::path& file) {
-  post([this, file] {
-    endStroke();
-    Document opened = Document::open(file);
-    show(opened.state());
-    document_ = std::move(opened);
-    note("opened " + file.string());
-  });
-}
-
-void Session::restartTake() {
-  post([this] {
-    endStroke();
-    if (!reader_) return;
-    reader_->restart();
-    pipeline_.forgetHand();
-    steady_.reset();
-  });
 }
 
 void Session::pauseTake(bool paused) {
@@ -252,25 +139,43 @@ void Session::pauseTake(bool paused) {
 // thread
 
 void Session::run() {
+  if (!options_.record.empty()) guarded([&] { beginRecording(options_.record); });
   while (!stop_) {
     bool worked = false;
     guarded([&] { worked = obey(); });
-    guarded([&] { worked = (reader_ ? frameFromRecording() : frameFromMouse()) || worked; });
-    if (!worked && !reader_) std::this_thread::sleep_for(std::chrono::milliseconds(4));
+    guarded([&] {
+      worked = (reader_           ? frameFromRecording()
+                : options_.replay ? frameFromReplayedMouse()
+                                  : frameFromMouse()) ||
+               worked;
+    });
+    if (!worked && !reader_)
+      std::this_thread::sleep_for(std::chrono::milliseconds(options_.headless ? 0 : 4));
   }
-  guarded([&] { endStroke(); });
+  guarded([&] {
+    endStroke();
+    endRecording();
+  });
 }
 
-/// Faults of a file or a command are said, and the work goes on; those of the device end it.
+/// Faults of a file or a command are said, and the work goes on; those of the device end it. Without a window
+/// there is nobody who would see to them: each ends it.
 void Session::guarded(const std::function<void()>& work) {
   try {
     work();
+  } catch (const Cancelled&) {
+    note("cancelled: everything is as it was");
   } catch (const Error& error) {
     note(error.what());
-    if (error.fault() == Fault::kDevice) stop_ = failed_ = true;
+    if (options_.headless && !fault_) fault_ = std::current_exception();
+    if (error.fault() == Fault::kDevice || options_.headless) stop_ = failed_ = true;
   } catch (const std::exception& error) {
     note(error.what());
+    if (options_.headless && !fault_) fault_ = std::current_exception();
     stop_ = failed_ = true;
+  } catch (...) {  // the process is to end: whoever waits for it knows
+    if (!fault_) fault_ = std::current_exception();
+    stop_ = true;
   }
 }
 
@@ -312,23 +217,24 @@ bool Session::frameFromRecording() {
   }
   background_learned_ = true;
   if (!reader_->take(set_, 0.01)) {
-    if (reader_->atEnd() && !snapshot().ended) {
-      endStroke();
-      if (options_.on_frame) options_.on_frame(pipeline_, nullptr);
-      Snapshot ended = snapshot();
-      ended.ended = true;
-      publish(ended);
-    }
+    if (reader_->atEnd()) endOfTake();
     return false;
   }
 
+  const DoneFrame* replayed = replayedFrame(set_.frame);
+  const double step_s =
+      set_.frame > 0 && last_frame_s_ >= 0 ? set_.time_s - last_frame_s_ : 1 / recording.rateHz();
+  DoneFrame done = replayed ? *replayed : wishesNow(set_.time_s, step_s);
+  if (!replayed) done.learned = set_.frame < recording.backgroundFrames();
   Snapshot next;
   next.frame = set_.frame;
   next.frame_count = recording.frameCount();
-  next.time_s = set_.time_s;
+  next.time_s = done.learned ? set_.time_s : done.time_s;
   next.captured_at = set_.captured_at;
   next.decode_ms = set_.decode_ms;
-  next.learning = set_.frame < recording.backgroundFrames();
+  next.skew_s = skewOf(set_.camera_times_s);
+  next.learning = done.learned;
+  bool used = true;
   if (recording.hasSilhouettes()) {
     std::vector<Mask> masks;
     for (std::size_t c = 0; c < set_.bytes.size(); ++c)
@@ -337,23 +243,26 @@ bool Session::frameFromRecording() {
   } else {
     copyPictures(set_);
     if (next.learning)
-      pipeline_.learnBackground();
+      used = learn();
     else
       next.result = pipeline_.trackPictures();
   }
   reader_->ask();  // what is left of this frame keeps one core busy
   if (!next.learning) {
     next.trust = trustIn(next.result);
-    sculpt(next, set_.frame > 0 && last_frame_s_ >= 0 ? next.time_s - last_frame_s_ : 1 / recording.rateHz());
+    if (!replayed) done.held = !gripIsBarred(next) && done.held;
+    sculpt(next, done);
   }
   last_frame_s_ = next.time_s;
+  if (used) recordFrame(done, &set_);
   const auto now = Clock::now();
   if (!gpu_.isCpu() || now - thumbnails_at_ > kThumbnailsStay) {
     drawThumbnails(set_);
     thumbnails_at_ = now;
   }
   if (options_.on_frame) {
-    const PlayedFrame played{next.frame, next.time_s, next.learning, next.decode_ms, next.result};
+    const PlayedFrame played{next.frame,     next.time_s, next.learning,
+                             next.decode_ms, next.skew_s, next.result};
     options_.on_frame(pipeline_, &played);
   }
   publish(next);
@@ -361,95 +270,158 @@ bool Session::frameFromRecording() {
   return true;
 }
 
-bool Session::frameFromMouse() {
-  MouseHand hand;
-  {
-    const std::lock_guard lock(mutex_);
-    hand = mouse_hand_;
-  }
-  const auto now = Clock::now();
-  const double now_s = std::chrono::duration<double>(now.time_since_epoch()).count();
-  if (last_frame_s_ >= 0 && now_s - last_frame_s_ < kMouseFrameS) return false;
-  Snapshot next;
-  next.time_s = now_s;
-  next.captured_at = now;
-  if (hand.present) {
-    next.trust = HandTrust::kTracking;
-    next.result.fit.world_from_hand = hand.world_from_hand;
-    next.result.fit.tracked = true;
-    next.result.hand = HandState::kTracked;
-  }
-  sculpt(next, last_frame_s_ >= 0 ? std::min(now_s - last_frame_s_, 0.1) : kMouseFrameS);
-  last_frame_s_ = now_s;
-  publish(next);
+/// The set shows the empty workspace. False when it was known already: the take is played again.
+bool Session::learn() {
+  if (!options_.replay && set_.frame < learned_frames_) return false;
+  pipeline_.learnBackground();
+  ++learned_frames_;
+  learned_bytes_ += bytesOf(set_);
+  if (learned_bytes_ <= kKeptLearnedBytes)
+    learned_.push_back(set_);
+  else
+    learned_.clear();
   return true;
 }
 
-void Session::sculpt(Snapshot& next, double step_s) {
-  SessionSettings settings;
+void Session::endOfTake() {
+  if (snapshot().ended) return;
+  if (options_.replay)
+    for (const Deed& deed : options_.replay->actions.after) replayDeed(deed);
+  endStroke();
+  if (options_.on_frame) options_.on_frame(pipeline_, nullptr);
+  Snapshot ended = snapshot();
+  ended.ended = true;
+  publish(ended);
+  if (options_.headless) stop_ = true;
+}
+
+bool Session::frameFromMouse() {
+  const auto now = Clock::now();
+  const double now_s = std::chrono::duration<double>(now.time_since_epoch()).count();
+  if (last_frame_s_ >= 0 && now_s - last_frame_s_ < kMouseFrameS) return false;
+  DoneFrame done = wishesNow(now_s, last_frame_s_ >= 0 ? std::min(now_s - last_frame_s_, 0.1) : kMouseFrameS);
   {
     const std::lock_guard lock(mutex_);
-    settings = settings_;
+    if (mouse_hand_.present) done.given_hand = mouse_hand_.world_from_hand;
   }
+  workOnMouseFrame(done);
+  return true;
+}
+
+void Session::workOnMouseFrame(DoneFrame done) {
+  Snapshot next;
+  next.frame = static_cast<int>(replayed_mouse_frames_);
+  next.time_s = done.time_s;
+  next.captured_at = Clock::now();
+  if (done.given_hand) {
+    next.trust = HandTrust::kTracking;
+    next.result.fit.world_from_hand = *done.given_hand;
+    next.result.fit.tracked = true;
+    next.result.hand = HandState::kTracked;
+  }
+  if (!options_.replay) done.held = !gripIsBarred(next) && done.held;
+  sculpt(next, done);
+  last_frame_s_ = done.time_s;
+  recordFrame(done, nullptr);
+  publish(next);
+}
+
+bool Session::frameFromReplayedMouse() {
+  const std::vector<Actions::Step>& steps = options_.replay->actions.steps;
+  if (replayed_mouse_frames_ == steps.size()) {
+    endOfTake();
+    return false;
+  }
+  if (replayed_mouse_frames_ == 0) replay_began_ = Clock::now();
+  const double due_s = steps[replayed_mouse_frames_].frame.time_s - steps.front().frame.time_s;
+  if (!options_.headless && secondsBetween(replay_began_, Clock::now()) < due_s) return false;
+  workOnMouseFrame(*replayedFrame(static_cast<int>(replayed_mouse_frames_)));
+  ++replayed_mouse_frames_;
+  return true;
+}
+
+/// A hand that was lost while it pulled does not take hold where it comes back: the clutch has to be pressed
+/// anew.
+bool Session::gripIsBarred(const Snapshot& next) {
+  bool pulling = false;
+  {
+    const std::lock_guard lock(mutex_);
+    pulling = settings_.tool == Tool::kPull && settings_.clutch == Clutch::kHold && settings_.clutch_down;
+  }
+  const bool there = next.trust == HandTrust::kTracking || next.trust == HandTrust::kUncertain;
+  if (!pulling) grip_ = Grip::kFree;
+  if (pulling && there && grip_ == Grip::kFree) grip_ = Grip::kSeen;
+  if (pulling && !there && grip_ == Grip::kSeen) grip_ = Grip::kBarred;
+  return grip_ == Grip::kBarred;
+}
+
+/// What is wanted of a frame, as the window says it now.
+DoneFrame Session::wishesNow(double time_s, double step_s) const {
+  const std::lock_guard lock(mutex_);
+  DoneFrame done;
+  done.time_s = time_s;
+  done.step_s = step_s;
+  done.tool = settings_.tool;
+  done.symmetry = settings_.symmetry;
+  done.held = settings_.held();
+  done.steady = settings_.steady;
+  return done;
+}
+
+void Session::sculpt(Snapshot& next, const DoneFrame& done) {
+  next.grip_barred = grip_ == Grip::kBarred;
   if (!next.result.fit.tracked) {
     steady_.reset();
     pipeline_.forgetGivenHand();
-    follow(next, settings);
+    follow(next, done);
     return;
   }
   Pose pose = next.result.fit.world_from_hand;
-  if (settings.steady) {
+  if (done.steady) {
     pose = steady_.filter(next.time_s, pose);
-    next.steady_ms = 1000 * steady_.latencyS();
+    if (steady_.speedMetresS() > kMovingMetresS) next.steady_ms = 1000 * steady_.latencyS();
   } else {
     steady_.reset();
   }
   next.world_from_hand = pose;
   SculptControls controls;
-  controls.tool = settings.tool;
-  controls.symmetry = settings.symmetry;
-  controls.frame_s = std::clamp(step_s, 1e-3, 0.1);
-  controls.held = next.trust == HandTrust::kTracking && !turning_ && settings.held();
+  controls.tool = done.tool;
+  controls.symmetry = done.symmetry;
+  controls.frame_s = std::clamp(done.step_s, 1e-3, 0.1);
+  controls.held = next.trust == HandTrust::kTracking && !turning_ && done.held;
   const FrameResult step = pipeline_.sculptWith(pose, controls);
   next.result.clay = step.clay;
   addStages(step.stage_ms, next.result.stage_ms);
   next.result.frame_ms += step.frame_ms;
-  follow(next, settings);
+  follow(next, done);
 }
 
 /// Strokes become entries of the document's history.
-void Session::follow(const Snapshot& next, const SessionSettings& settings) {
+void Session::follow(const Snapshot& next, const DoneFrame& done) {
   StrokeFrame frame;
   frame.time_s = next.time_s;
   frame.touched = next.result.clay.touched;
-  frame.held = settings.held();
+  frame.held = done.held;
   frame.tracked = next.trust == HandTrust::kTracking;
-  if (strokes_.see(frame, toolName(settings.tool), pipeline_.clay())) refreshDocumentView();
+  if (strokes_.see(frame, toolName(done.tool), pipeline_.clay())) refreshDocumentView();
 }
 
 void Session::endStroke() {
-  if (strokes_.finish(pipeline_.clay())) refreshDocumentView();
+  if (!strokes_.finish(pipeline_.clay())) return;
+  recordDeed({.what = Deed::What::kEndStroke});
+  refreshDocumentView();
 }
 
-void Session::show(const ClayState& state) {
-  if (sameForm(state, form_)) {
-    pipeline_.clay().setControlPoints(state.cage.points);
-    return;
-  }
-  const std::unique_lock lock(structure_);
-  gpu_.waitIdle();  // the window's pictures of the old clay
-  pipeline_.setClay(optionsFor(state));
-  form_ = state;
-  ++form_serial_;
-}
-
+/// Lets the window draw what the frame has done before the next one takes the device.
 void Session::waitForPicture(std::uint64_t serial) {
+  if (options_.headless) return;
   std::unique_lock lock(mutex_);
   picture_submitted_.wait_for(lock, kPictureWait, [&] { return submitted_serial_ >= serial || stop_; });
 }
 
 /// What the window is told of the clay. `moved`: it may have since the last time.
 void Session::lookAtClay(Snapshot& next, bool moved) {
+  if (options_.headless) return;
   if (moved) {
     const std::vector<vec3> all = pipeline_.clay().dataPoints().download();
     const std::size_t step = std::max<std::size_t>(1, all.size() / kClayPoints);
@@ -500,33 +472,48 @@ void Session::note(const std::string& words) {
   notes_.push_back(words);
 }
 
-/// Every few pixels one: enough to see what a camera sees. What belongs to the hand is warm.
+void Session::placeThumbnails() {
+  std::size_t pixels = 0;
+  for (const bool small : {false, true})
+    for (const Camera& camera : options_.rig.cameras) {
+      const int width = small ? (kThumbnailWidth - kThumbnailGap) / 2 : kThumbnailWidth;
+      const Thumbnail place{pixels, width, std::max(1, width * camera.height / camera.width)};
+      thumbnail_places_[small].push_back(place);
+      pixels += std::size_t(place.width) * std::size_t(place.height);
+    }
+  thumbnails_ = Buffer<std::uint32_t>(gpu_, pixels, Memory::kHost);
+}
+
 void Session::drawThumbnails(const FrameSet& set) {
+  if (options_.headless) return;
+  for (const std::vector<Thumbnail>& places : thumbnail_places_)
+    for (std::size_t c = 0; c < set.bytes.size(); ++c) drawThumbnail(places[c], c, set.bytes[c]);
+}
+
+/// Every few pixels one: enough to see what a camera sees. What belongs to the hand is warm.
+void Session::drawThumbnail(const Thumbnail& to, std::size_t c, const std::vector<std::uint8_t>& bytes) {
   const bool masks_only = options_.recording->hasSilhouettes();
   const std::span<const std::uint32_t> masks = pipeline_.silhouettes().masks().host();
-  for (std::size_t c = 0; c < set.bytes.size(); ++c) {
-    const GpuCamera& camera = pipeline_.gpuRig().camera(c);
-    const int height = thumbnailHeight(c);
-    std::uint32_t* out = thumbnails_.host().data() + thumbnail_starts_[c];
-    for (int row = 0; row < height; ++row) {
-      const std::size_t y = std::size_t(row) * camera.height / std::size_t(height);
-      for (int column = 0; column < kThumbnailWidth; ++column) {
-        const std::size_t x = std::size_t(column) * camera.width / kThumbnailWidth;
-        const std::size_t at = y * camera.width + x;
-        const bool object = masks[camera.mask_words + y * camera.row_words + x / 32] >> (x % 32) & 1;
-        std::uint32_t b = 60, g = 60, r = 60;
-        if (!masks_only) {
-          b = set.bytes[c][3 * at];
-          g = set.bytes[c][3 * at + 1];
-          r = set.bytes[c][3 * at + 2];
-        }
-        if (object) {
-          b = b / 2 + 30;
-          g = g / 2 + 60;
-          r = r / 2 + 115;
-        }
-        *out++ = b | g << 8 | r << 16 | 0xFF000000u;
+  const GpuCamera& camera = pipeline_.gpuRig().camera(c);
+  std::uint32_t* out = thumbnails_.host().data() + to.first;
+  for (int row = 0; row < to.height; ++row) {
+    const std::size_t y = std::size_t(row) * camera.height / std::size_t(to.height);
+    for (int column = 0; column < to.width; ++column) {
+      const std::size_t x = std::size_t(column) * camera.width / std::size_t(to.width);
+      const std::size_t at = y * camera.width + x;
+      const bool object = masks[camera.mask_words + y * camera.row_words + x / 32] >> (x % 32) & 1;
+      std::uint32_t b = 60, g = 60, r = 60;
+      if (!masks_only) {
+        b = bytes[3 * at];
+        g = bytes[3 * at + 1];
+        r = bytes[3 * at + 2];
       }
+      if (object) {
+        b = b / 2 + 30;
+        g = g / 2 + 60;
+        r = r / 2 + 115;
+      }
+      *out++ = b | g << 8 | r << 16 | 0xFF000000u;
     }
   }
 }

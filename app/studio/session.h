@@ -15,6 +15,7 @@
 #include "app/kept_strokes.h"
 #include "app/player.h"
 #include "app/studio/frame_reader.h"
+#include "app/studio/session_recorder.h"
 #include "engine/document.h"
 #include "engine/one_euro.h"
 #include "engine/pipeline.h"
@@ -62,12 +63,28 @@ struct Snapshot {
   HandTrust trust = HandTrust::kNobody;
   std::optional<Pose> world_from_hand;  ///< as it sculpts
   FrameResult result;
-  double decode_ms = 0, steady_ms = 0;  ///< the filter's lag
+  double decode_ms = 0;
+  std::optional<double> steady_ms;  ///< the filter's lag; of a hand at rest it means nothing
+  std::optional<double> skew_s;     ///< the cameras'; none where they have no times of their own
   Clock::time_point captured_at;
   double rate_hz = 0;             ///< frames that went through in the last second
   std::uint64_t clay_serial = 0;  ///< another one when the clay may have moved
   std::vector<vec3> clay_points;  ///< some of its data points, spread evenly; workspace frame
   bool sculpting = false;         ///< a stroke is under way
+  bool grip_barred = false;       ///< the clutch must be pressed anew: the hand was lost while it pulled
+};
+
+/// Work that takes long, for a bar.
+struct WorkView {
+  std::string what;  ///< "refining"; empty: there is none
+  double share = 0;  ///< of the step under way
+  Clock::time_point since;
+};
+
+/// What was recorded, to be done again.
+struct Replay {
+  std::filesystem::path folder;
+  Actions actions;
 };
 
 /// What the document is like, for menus.
@@ -87,6 +104,11 @@ class Session {
     Rig rig;
     HandModel hand;
     int voxels = 128;
+    std::string hand_name = "right";  ///< or left, or its file: what a recording notes
+    std::filesystem::path record;     ///< a new folder: everything is recorded from the first frame on
+    SessionSettings settings;         ///< until set() is called
+    const Replay* replay = nullptr;   ///< `recording` is its take's; none of the mouse's hand
+    bool headless = false;  ///< as fast as it goes; ends with the recording, and with the first fault
     /// Called after every frame of the recording, on the session's own thread, and once at its end, without a
     /// frame.
     std::function<void(const Pipeline&, const PlayedFrame*)> on_frame;
@@ -110,7 +132,18 @@ class Session {
   void setMouseHand(const MouseHand& hand);
   bool hasRecording() const { return options_.recording != nullptr; }
   bool pipelineFailed() const { return failed_; }
+  bool replaying() const { return options_.replay != nullptr; }
+  RecorderView recorderView() const;
+  WorkView workView() const;
+  /// Ends the work under way, if it is some that can be; everything is as before.
+  void cancelWork() { cancel_work_ = true; }
+  /// \pre headless: waits for the end. \throw what ended it
+  void finish();
 
+  /// Everything from here on goes into a new folder: sets, deeds, the clay. The hand is looked for anew, as
+  /// it will be when that is played.
+  void startRecording(const std::filesystem::path& folder);
+  void stopRecording();
   void undo();
   void redo();
   void refineClay();
@@ -133,31 +166,65 @@ class Session {
     std::uint64_t form_serial;
   };
   void withClay(const std::function<void(const ClayOnDevice&)>& look) const;
-  /// Small pictures of the cameras, silhouettes tinted: B G R A, kThumbnailWidth wide, one below the other.
+  /// Small pictures of the cameras, silhouettes tinted: B G R A, in two sizes of which two small ones stand
+  /// beside each other where a large one would.
   const Buffer<std::uint32_t>& thumbnails() const { return thumbnails_; }
-  int thumbnailHeight(std::size_t camera) const;
-  std::size_t thumbnailStart(std::size_t camera) const { return thumbnail_starts_[camera]; }
-  static constexpr int kThumbnailWidth = 240;
+  struct Thumbnail {
+    std::size_t first = 0;      ///< of thumbnails()
+    int width = 0, height = 0;  ///< pixels
+  };
+  const Thumbnail& thumbnail(std::size_t camera, bool small) const {
+    return thumbnail_places_[small][camera];
+  }
+  static constexpr int kThumbnailWidth = 240, kThumbnailGap = 4;
   const Rig& rig() const { return options_.rig; }
   const HandModel& hand() const { return options_.hand; }
   const Carver& carver() const;
 
  private:
   void run();
+  class Working;
+  struct Cancelled {};  ///< thrown: the person gave up on work under way
   void post(std::function<void()> command);
+  void act(const Deed& deed, const std::string& what = "");
+  void perform(const Deed& deed);
+  void replayDeed(const Deed& deed);
+  void changeForm(const Deed& deed);
+  void turnClay(const Deed& deed);
+  void forgetHand();
+  bool learn();
+  void becomeClay(const ClayState& state, const std::string& name);
+  void becomeDocument(Document opened);
+  void refuseWhileReplaying() const;
+  void beginRecording(const std::filesystem::path& folder);
+  void endRecording();
+  void showRecorder();
+  void recordDeed(const Deed& deed);
+  void recordFrame(const DoneFrame& done, const FrameSet* set);
+  DoneFrame wishesNow(double time_s, double step_s) const;
+  const DoneFrame* replayedFrame(int frame);
+  void endOfTake();
   bool obey();
   bool frameFromRecording();
   bool frameFromMouse();
+  bool frameFromReplayedMouse();
+  void workOnMouseFrame(DoneFrame done);
   void copyPictures(const FrameSet& set);
-  void sculpt(Snapshot& next, double step_s);
-  void follow(const Snapshot& next, const SessionSettings& settings);
+  bool gripIsBarred(const Snapshot& next);
+  void sculpt(Snapshot& next, const DoneFrame& done);
+  void follow(const Snapshot& next, const DoneFrame& done);
   void endStroke();
   void show(const ClayState& state);
+  void commit(const std::string& name, const ClayState& state);
+  std::unique_ptr<Pipeline::MadeClay> made(const ClayState& state);
+  void show(const ClayState& state, std::unique_ptr<Pipeline::MadeClay> made);
   void publish(Snapshot next);
   void waitForPicture(std::uint64_t serial);
   void lookAtClay(Snapshot& next, bool moved);
   void refreshDocumentView();
+  void placeThumbnails();
   void drawThumbnails(const FrameSet& set);
+  void drawThumbnail(const Thumbnail& to, std::size_t camera, const std::vector<std::uint8_t>& bytes);
   void note(const std::string& words);
   void guarded(const std::function<void()>& work);
 
@@ -172,11 +239,20 @@ class Session {
   KeptStrokes strokes_;
   OneEuroPose steady_;
   Buffer<std::uint32_t> thumbnails_;
-  std::vector<std::size_t> thumbnail_starts_;
+  std::array<std::vector<Thumbnail>, 2> thumbnail_places_;
   std::deque<Clock::time_point> frame_times_;
   Clock::time_point thumbnails_at_{};
   double last_frame_s_ = -1;
   bool background_learned_ = false, turning_ = false;
+  /// Of one press of the clutch, pulling: the hand has been seen, and was lost.
+  enum class Grip { kFree, kSeen, kBarred };
+  Grip grip_ = Grip::kFree;
+  int learned_frames_ = 0;
+  std::vector<FrameSet> learned_;  ///< kept for a recording that begins later; up to kKeptLearnedBytes
+  std::size_t learned_bytes_ = 0;
+  std::optional<SessionRecorder> recorder_;
+  std::size_t replayed_mouse_frames_ = 0;
+  Clock::time_point replay_began_;
   std::uint64_t serial_ = 0, clay_serial_ = 0;
   std::vector<vec3> clay_points_;
 
@@ -190,7 +266,10 @@ class Session {
   SessionSettings settings_;
   MouseHand mouse_hand_;
   std::deque<std::function<void()>> commands_;
-  std::atomic<bool> stop_ = false, failed_ = false;
+  RecorderView recorder_view_;
+  WorkView work_view_;
+  std::exception_ptr fault_;  ///< headless
+  std::atomic<bool> stop_ = false, failed_ = false, cancel_work_ = false;
   std::thread thread_;
 };
 

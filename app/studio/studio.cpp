@@ -4,6 +4,7 @@
 #include <GLFW/glfw3.h>
 #include <imgui/imgui.h>
 
+#include <ctime>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -25,10 +26,6 @@ constexpr double kQuietPictureS = 0.2;  // between pictures when nothing happens
 constexpr double kMovingPictureS = 1.0 / 60;
 // While frames come in, they make the pictures: others would only hold them up.
 constexpr double kFlowingS = 0.15, kFlowingPictureS = 0.1;
-
-double secondsBetween(Clock::time_point from, Clock::time_point to) {
-  return std::chrono::duration<double>(to - from).count();
-}
 
 /// This process's resident memory, from Linux's own account.
 double residentMegabytes() {
@@ -61,6 +58,13 @@ class Studio {
     show_help_ = settings_.first_run;
     settings_.first_run = false;
     bindKeys();
+    if (const auto taken = meaningOf(keys_, settings_.clutch_key)) {
+      notes_.push_back(
+          {"the clutch is the space bar: " + keyName(settings_.clutch_key) + " is there already, " + *taken,
+           Clock::now()});
+      settings_.clutch_key = StudioSettings().clutch_key;
+      bindKeys();
+    }
     mouse_hand_.world_from_hand.translation() =
         session.rig.workspace.center + Vec3(0, -0.35 * session.rig.workspace.edge_m, 0);
   }
@@ -147,24 +151,24 @@ class Studio {
 
   void bindKeys() {
     const auto key = [](int code, const char* shown, const char* does, std::function<void()> act) {
-      return KeyBinding{code, false, false, shown, does, std::move(act), false};
+      return KeyBinding{code, false, false, shown, does, std::move(act), false, {}};
     };
     const auto ctrl = [](int code, bool shift, const char* shown, const char* does, std::function<void()> act,
                          bool repeats = false) {
-      return KeyBinding{code, true, shift, shown, does, std::move(act), repeats};
+      return KeyBinding{code, true, shift, shown, does, std::move(act), repeats, {}};
     };
-    const auto shown_only = [](const char* shown, const char* does) {
-      return KeyBinding{0, false, false, shown, does, {}, false};
+    const auto shown_only = [](const std::string& shown, const char* does, std::vector<int> held = {}) {
+      return KeyBinding{0, false, false, shown, does, {}, false, std::move(held)};
     };
     keys_ = {
         {"Sculpt",
          {key(GLFW_KEY_1, "1", "push", [this] { settings_.tool = Tool::kPush; }),
           key(GLFW_KEY_2, "2", "pull", [this] { settings_.tool = Tool::kPull; }),
           key(GLFW_KEY_3, "3", "smooth", [this] { settings_.tool = Tool::kSmooth; }),
-          shown_only("Space", "the clutch, while it is held"),
+          shown_only(keyName(settings_.clutch_key), "the clutch, while it is held"),
           key(GLFW_KEY_X, "X", "symmetry left and right", [this] { settings_.symmetry.x ^= true; }),
           key(GLFW_KEY_Y, "Y", "symmetry front and back", [this] { settings_.symmetry.y ^= true; }),
-          shown_only("Arrows", "turn the clay"),
+          shown_only("Arrows", "turn the clay", {GLFW_KEY_LEFT, GLFW_KEY_RIGHT, GLFW_KEY_UP, GLFW_KEY_DOWN}),
           key(GLFW_KEY_R, "R", "refine: the same surface, a finer cage", [this] { session_.refineClay(); })}},
         {"Undo and files",
          {ctrl(
@@ -176,6 +180,8 @@ class Studio {
           ctrl(GLFW_KEY_O, false, "Ctrl O", "open a document", [this] { askOpen(); }),
           ctrl(GLFW_KEY_S, false, "Ctrl S", "save as: every edit is kept anyway", [this] { askSave(); }),
           ctrl(GLFW_KEY_E, false, "Ctrl E", "export", [this] { askExport(true); }),
+          ctrl(GLFW_KEY_R, false, "Ctrl R", "record what is seen and done, stop", [this] { recordOrStop(); }),
+          shown_only("Esc", "cancel work that takes long"),
           ctrl(GLFW_KEY_Q, false, "Ctrl Q", "leave", [this] { window_.close(); })}},
         {"Look",
          {shown_only("Right drag", "orbit"), shown_only("Middle drag", "pan"), shown_only("Wheel", "zoom"),
@@ -200,12 +206,13 @@ class Studio {
             key(GLFW_KEY_PAUSE, "Pause", "pause, go on",
                 [this] { session_.pauseTake(paused_ = !paused_); })}});
     else
-      keys_.push_back(
-          {"The mouse's hand",
-           {shown_only("Left drag", "moves it"), shown_only("Shift wheel, W S", "farther, nearer"),
-            shown_only("J L, I K, U O", "turn it"),
-            key(GLFW_KEY_H, "H", "take it away, bring it back",
-                [this] { mouse_hand_.present = !mouse_hand_.present; })}});
+      keys_.push_back({"The mouse's hand",
+                       {shown_only("Left drag", "moves it"),
+                        shown_only("Shift wheel, W S", "farther, nearer", {GLFW_KEY_W, GLFW_KEY_S}),
+                        shown_only("J L, I K, U O", "turn it",
+                                   {GLFW_KEY_J, GLFW_KEY_L, GLFW_KEY_I, GLFW_KEY_K, GLFW_KEY_U, GLFW_KEY_O}),
+                        key(GLFW_KEY_H, "H", "take it away, bring it back",
+                            [this] { mouse_hand_.present = !mouse_hand_.present; })}});
   }
 
   void takeInput(double step_s) {
@@ -214,7 +221,7 @@ class Studio {
     bool any_key = false;
     for (const bool down : io.KeysDown) any_key = any_key || down;
     if (mouse_moved || any_key || ImGui::IsAnyMouseDown()) last_change_ = Clock::now();
-    if (!chooser_.isOpen()) obeyKeys(keys_);
+    if (!chooser_.isOpen() && !panels_.asksForKey()) obeyKeys(keys_);
     if (!io.WantCaptureMouse) takeMouse(io);
     if (!io.WantTextInput && !chooser_.isOpen()) takeHeldKeys(io, step_s);
     SessionSettings settings{settings_.tool, settings_.symmetry, settings_.clutch, false, settings_.steady};
@@ -276,12 +283,33 @@ class Studio {
       chooser_.open("Import a cage", settings_.folder, {".obj"}, false,
                     [this](const std::filesystem::path& file) { remember(file), session_.importCage(file); });
     if (wishes.help) show_help_ = true;
+    if (wishes.record) recordOrStop();
+    if (wishes.clutch_key != 0) chooseClutchKey(wishes.clutch_key);
     if (!wishes.new_clay.empty()) {
       ClayState state;
       state.cage = presetCage(wishes.new_clay);
       for (Vec3& point : state.cage.points) point += session_.rig().workspace.center;
       session_.replaceClay(state, "New " + wishes.new_clay);
     }
+  }
+
+  void recordOrStop() {
+    if (session_.recorderView().recording) return session_.stopRecording();
+    const std::time_t now = std::time(nullptr);
+    char name[64];
+    std::strftime(name, sizeof name, "recording-%Y%m%d-%H%M%S", std::localtime(&now));
+    session_.startRecording(settings_.folder / name);
+  }
+
+  void chooseClutchKey(int key) {
+    if (const std::optional<std::string> taken = meaningOf(keys_, key)) {
+      if (key != GLFW_KEY_ESCAPE)
+        notes_.push_back(
+            {keyName(key) + " is there already: " + *taken + "; choose another key", Clock::now()});
+      return;
+    }
+    settings_.clutch_key = key;
+    bindKeys();  // the overlay names it
   }
 
   void askOpen() {
@@ -337,23 +365,32 @@ class Studio {
     nlohmann::ordered_json stages;
     for (const auto& [name, ms] : snapshot.result.stage_ms) stages[name] = ms;
     for (const auto& [name, ms] : recorder_.stageMs()) stages[name] = ms;
-    const nlohmann::ordered_json line = {{"picture_hz", meter_.pictureHz()},
-                                         {"tracking_hz", snapshot.rate_hz},
-                                         {"latency_ms", meter_.latencyMs()},
-                                         {"hand", wordFor(snapshot.trust)},
-                                         {"frame", snapshot.frame},
-                                         {"ended", snapshot.ended},
-                                         {"sculpting", snapshot.sculpting},
-                                         {"undo", document.undo_count},
-                                         {"redo", document.redo_count},
-                                         {"control_points", document.control_points},
-                                         {"data_points", document.data_points},
-                                         {"width", window_.width()},
-                                         {"height", window_.height()},
-                                         {"note", notes_.empty() ? "" : notes_.back().words},
-                                         {"resident_mb", residentMegabytes()},
-                                         {"decode_ms", snapshot.decode_ms},
-                                         {"stage_ms", stages}};
+    using json = nlohmann::ordered_json;
+    const json line = {{"picture_hz", meter_.pictureHz()},
+                       {"tracking_hz", snapshot.rate_hz},
+                       {"latency_ms", meter_.latencyMs()},
+                       {"hand", wordFor(snapshot.trust)},
+                       {"frame", snapshot.frame},
+                       {"ended", snapshot.ended},
+                       {"sculpting", snapshot.sculpting},
+                       {"undo", document.undo_count},
+                       {"redo", document.redo_count},
+                       {"control_points", document.control_points},
+                       {"data_points", document.data_points},
+                       {"width", window_.width()},
+                       {"height", window_.height()},
+                       {"note", notes_.empty() ? "" : notes_.back().words},
+                       {"recording", session_.recorderView().recording},
+                       {"recorded_frames", session_.recorderView().frames},
+                       {"working", session_.workView().what},
+                       {"clutch_key", keyName(settings_.clutch_key)},
+                       {"grip_barred", snapshot.grip_barred},
+                       {"cameras_shown", panels_.insets().size()},
+                       {"resident_mb", residentMegabytes()},
+                       {"decode_ms", snapshot.decode_ms},
+                       {"skew_ms", snapshot.skew_s ? json(1000 * *snapshot.skew_s) : json()},
+                       {"steady_ms", snapshot.steady_ms ? json(*snapshot.steady_ms) : json()},
+                       {"stage_ms", stages}};
     log_ << line.dump() << std::endl;
   }
 

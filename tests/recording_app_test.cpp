@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: MIT
+// A sculpting that was recorded, played again: the same clay, bit for bit. The recordings here are of the
+// program itself, run as users run it (in the window: tests/studio_test.cpp).
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <nlohmann/json.hpp>
+
+#include "capture/take.h"
+#include "engine/mesh_file.h"
+#include "engine/presets.h"
+#include "tests/documents.h"
+#include "tests/gpu_fixture.h"
+#include "tests/program.h"
+#include "tests/small_take.h"
+#include "tests/temporary_folder.h"
+
+namespace airclay {
+namespace {
+
+namespace fs = std::filesystem;
+using Words = std::vector<std::string>;
+
+class RecordingApp : public testing::Test {
+ protected:
+  std::string at(const std::string& name) const { return folder / name; }
+
+  Ran run(const Words& words) const {
+    const Ran ran = runAirclay(words, {.environment = {{"AIRCLAY_VALIDATION", "1"}}});
+    EXPECT_EQ(ran.status, 0) << ran.errors;
+    return ran;
+  }
+  /// Cage and surface as the run left them.
+  std::string clayIn(const std::string& out) const {
+    const std::string clay =
+        contentOf(folder / (out + "/cage.obj")) + contentOf(folder / (out + "/surface.obj"));
+    EXPECT_FALSE(clay.empty());
+    return clay;
+  }
+  /// The same run as `airclay sculpt take`, recorded into `name`.
+  void record(const std::string& name, const Words& more = {}) {
+    Words words = {"sculpt", at("take"),        "--headless", "--record",        at(name),
+                   "--out",  at(name + "-out"), "--save",     at(name + ".clay")};
+    words.insert(words.end(), more.begin(), more.end());
+    EXPECT_EQ(run(words).errors, "");
+  }
+  Ran replay(const std::string& name) {
+    return run(
+        {"sculpt", at(name), "--headless", "--out", at(name + "-again"), "--save", at(name + "-again.clay")});
+  }
+  void expectSame(const std::string& name) const {
+    EXPECT_EQ(clayIn(name + "-out"), clayIn(name + "-again"));
+    EXPECT_EQ(contentOf(folder / (name + "-out/poses.tum")), contentOf(folder / (name + "-again/poses.tum")));
+    const Document once = Document::open(at(name + ".clay")),
+                   again = Document::open(at(name + "-again.clay"));
+    EXPECT_TRUE(sameClay(once.state(), again.state()));
+    EXPECT_EQ(namesOf(once), namesOf(again));
+  }
+
+  TemporaryFolder folder;
+};
+
+TEST_F(RecordingApp, AReplayMakesTheSameClay) {
+  writeSmallTake(folder / "take");
+  // every setting that a replay must bring along
+  record("push");
+  EXPECT_EQ(replay("push").errors, "");
+  expectSame("push");
+  EXPECT_NE(contentOf(folder / "push-out/cage.obj"), "");
+  const PolygonMesh cage = readObj(folder / "push-out/cage.obj"), tube = presetCage("tube");
+  double moved_m = 0;
+  for (std::size_t i = 0; i < cage.points.size(); ++i)
+    moved_m = std::max(moved_m, (cage.points[i] - tube.points[i]).norm());
+  EXPECT_GT(moved_m, 0.005);
+
+  record("smooth", {"--tool", "smooth", "--symmetry", "xz", "--unsteady", "--clay", "ball", "--size", "0.2",
+                    "--levels", "3", "--rule", "printed", "--voxels", "64"});
+  EXPECT_EQ(replay("smooth").errors, "");
+  expectSame("smooth");
+  EXPECT_NE(clayIn("smooth-out"), clayIn("push-out"));
+}
+
+TEST_F(RecordingApp, TheSameTakeAndSettingsMakeTheSameClay) {
+  writeSmallTake(folder / "take");
+  for (const char* out : {"a", "b"})
+    run({"sculpt", at("take"), "--headless", "--tool", "pull", "--symmetry", "x", "--out", at(out)});
+  EXPECT_EQ(clayIn("a"), clayIn("b"));
+}
+
+TEST_F(RecordingApp, TheRecordingIsATakeLikeAnother) {
+  const int frames = writeSmallTake(folder / "take");
+  folder.write("take/timestamps.csv", [&] {
+    const Take take(folder / "take");
+    std::string rows = "cam_id,frame_time\n";
+    for (int i = 0; i < frames; ++i)
+      for (const Camera& camera : take.rig().cameras)
+        rows += camera.name + "," +
+                std::to_string(i / 30.0 + (camera.name == take.rig().cameras[1].name ? 0.004 : 0)) + "\n";
+    return rows;
+  }());
+  record("mine");
+  Take source(folder / "take"), taken(folder / "mine");
+  ASSERT_EQ(taken.frameCount(), frames);
+  std::vector<std::vector<std::uint8_t>> a, b;
+  for (const Camera& camera : source.rig().cameras)
+    a.emplace_back(std::size_t(3) * std::size_t(camera.width) * std::size_t(camera.height));
+  b = a;
+  const std::vector<std::span<std::uint8_t>> from(a.begin(), a.end()), to(b.begin(), b.end());
+  for (int i = 0; i < frames; ++i) {
+    ASSERT_TRUE(source.readPictures(i, from) && taken.readPictures(i, to));
+    EXPECT_EQ(a, b) << i;
+    EXPECT_EQ(source.cameraTimesOf(i), taken.cameraTimesOf(i));
+  }
+  const auto tracked = [&](const std::string& name) {
+    const Ran ran = run({"track", at(name), "--poses", at(name + ".tum"), "--json"});
+    const nlohmann::json figures = nlohmann::json::parse(ran.output);
+    EXPECT_NEAR(figures["skew_ms"].get<double>(), 4, 0.01);
+    EXPECT_NEAR(figures["worst_skew_ms"].get<double>(), 4, 0.01);
+  };
+  tracked("take");
+  tracked("mine");
+  EXPECT_EQ(contentOf(folder / "take.tum"), contentOf(folder / "mine.tum"));
+  run({"sculpt", at("mine"), "--afresh", "--tool", "smooth", "--headless", "--out", at("afresh")});
+  EXPECT_NE(clayIn("afresh"), clayIn("mine-out"));
+}
+
+TEST_F(RecordingApp, KilledItCanBePlayedAsFarAsItGoes) {
+  const int frames = writeSmallTake(folder / "take");
+  record("whole");
+  // in the midst of it: after so many lines of actions
+  Process program(
+      {AIRCLAY_PROGRAM, "sculpt", at("take"), "--headless", "--record", at("cut"), "--out", at("cut-out")},
+      {}, folder / "output", folder / "errors");
+  const auto lines = [&] {
+    const std::string text = contentOf(folder / "cut/actions.txt");
+    return std::count(text.begin(), text.end(), '\n');
+  };
+  ASSERT_TRUE(waitUntil([&] { return lines() > 25 || !program.running(); }));
+  program.send(SIGKILL);
+  EXPECT_EQ(program.waitForExit(), 128 + SIGKILL);
+
+  const Ran ran = replay("cut");
+  ASSERT_EQ(ran.errorLines().size(), 1u + (ran.errorLines().size() > 1))
+      << ran.errors;  // and unequal lengths
+  EXPECT_NE(ran.errors.find("broke off"), std::string::npos) << ran.errors;
+  const int played = Take(folder / "cut", {.unfinished = true}).frameCount();
+  EXPECT_GT(played, 5);
+  EXPECT_LT(played, frames);
+  // as the whole recording, cut there
+  const std::string poses = contentOf(folder / "cut-again/poses.tum");
+  EXPECT_FALSE(poses.empty());
+  EXPECT_EQ(contentOf(folder / "whole-out/poses.tum").substr(0, poses.size()), poses);
+}
+
+TEST_F(RecordingApp, WhatCannotBeIsOneLine) {
+  writeSmallTake(folder / "take");
+  record("mine");
+  const auto refused = [&](const Words& words, int status, const std::string& expected) {
+    const Ran ran = runAirclay(words);
+    EXPECT_EQ(ran.status, status) << ran.errors;
+    ASSERT_EQ(ran.errorLines().size(), 1u) << ran.errors;
+    EXPECT_NE(ran.errors.find(expected), std::string::npos) << ran.errors;
+  };
+  refused({"sculpt", at("mine"), "--headless", "--tool", "pull", "--out", at("o")}, 2, "--tool");
+  refused({"sculpt", at("take"), "--headless", "--record", at("mine"), "--out", at("o")}, 1,
+          "something in the folder already");
+  const std::string actions = contentOf(folder / "mine/actions.txt");
+  const auto with = [&](const std::string& text, const std::string& expected) {
+    folder.write("mine/actions.txt", text);
+    refused({"sculpt", at("mine"), "--headless", "--out", at("o")}, 1, expected);
+  };
+  with("", "actions.txt: it is empty");
+  with("something\n", "actions.txt:1:");
+  with("airclay-actions 2\n", "newer Airclay");
+  with("airclay-actions 1\nframe 1 0.03 knead - 1 1\n", "actions.txt:2: push, pull or smooth");
+  with("airclay-actions 1\nframe 1 0.03 push q 1 1\n", "actions.txt:2: a symmetry");
+  with("airclay-actions 1\nframe 1 nan push - 1 1\n", "actions.txt:2:");
+  with("airclay-actions 1\nturn 0 0 1 0.5 almost\n", "actions.txt:2: more or last");
+  with("airclay-actions 1\nhand ../../hand.glb\n", "actions.txt:2: the name of a file beside it");
+  with("airclay-actions 1\nsing\n", "actions.txt:2: 'sing' is no action");
+  with("airclay-actions 1\nundo twice\n", "actions.txt:2: nothing after");
+  with(actions.substr(0, actions.size() - 4) + "undo\nend\nframe 1 1 push - 1 1\n", "nothing after `end`");
+}
+
+}  // namespace
+}  // namespace airclay
