@@ -71,6 +71,8 @@ void addHistory(CLI::App& program, int& status);
 void addUndo(CLI::App& program, int& status);
 void addRedo(CLI::App& program, int& status);
 void addRefine(CLI::App& program, int& status);
+void addSet(CLI::App& program, int& status);
+void addTurn(CLI::App& program, int& status);
 void addFigures(CLI::App& program, int& status);
 void addCompare(CLI::App& program, int& status);
 void addBench(CLI::App& program, int& status);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// `airclay new`, `history`, `undo`, `redo` and `refine`: what the window does with a document, without one.
+// `airclay new`, `history`, `undo`, `redo`, `refine`, `set` and `turn`: what the window does with a document,
+// without one.
 #include "engine/document.h"
 
 #include <CLI/CLI.hpp>
@@ -25,6 +26,17 @@ struct DocumentOptions : CommonOptions {
 struct NewOptions : DocumentOptions {
   std::string clay = "tube";
   ClayWords words;
+};
+
+struct SetOptions : DocumentOptions {
+  std::string clay;
+  ClayWords words;
+  bool levels_given = false, rule_given = false, solve_given = false;
+};
+
+struct TurnOptions : DocumentOptions {
+  std::string axis;
+  double degrees = 0;
 };
 
 std::string counted(std::size_t count, const std::string& thing) {
@@ -120,6 +132,39 @@ void runRefine(const DocumentOptions& options) {
                    (before.levels == 1 ? "; the surface is one step finer" : "; the surface is the same"));
 }
 
+void runSet(const SetOptions& options) {
+  Document document = Document::open(options.file);
+  ClayState state = document.state();
+  if (!options.clay.empty()) state.cage = loadCage(options.clay);
+  if (options.levels_given) state.levels = options.words.levels;
+  if (options.rule_given) state.rule = options.words.subdivisionRule();
+  if (options.solve_given) state.solve = options.words.solveRows();
+  if (sameClay(state, document.state()))
+    throw Error("set " + options.file +
+                    ": there is nothing to change; --levels, --rule, --solve or --clay with another value "
+                    "would be right",
+                Fault::kUsage);
+  const Subdivision subdivision =
+      subdivide(state.cage, state.levels, state.rule);  // refuses a level that is too high
+  document.commit(!options.clay.empty()  ? "Import " + std::filesystem::path(options.clay).filename().string()
+                  : options.levels_given ? "Level " + std::to_string(state.levels)
+                                         : "Settings",
+                  state);
+  say(options, options.file + ": " + counted(state.cage.points.size(), "control point") + ", " +
+                   counted(static_cast<std::size_t>(subdivision.matrix.rows()), "data point") + " at level " +
+                   std::to_string(state.levels));
+}
+
+void runTurn(const TurnOptions& options) {
+  Document document = Document::open(options.file);
+  ClayState state = document.state();
+  const Vec3 axis = Vec3::Unit(options.axis[0] - 'x');
+  const Mat3 turn = Eigen::AngleAxisd(options.degrees * M_PI / 180, axis).toRotationMatrix();
+  for (Vec3& point : state.cage.points) point = turn * point;
+  document.commit("Turn", state);
+  say(options, options.file + ": turned by " + fixed(options.degrees, 1) + " degrees about " + options.axis);
+}
+
 void addFile(CLI::App& command, DocumentOptions& options) {
   command.add_option("FILE", options.file, "the document, FILE.clay")->type_name("")->required();
 }
@@ -187,6 +232,53 @@ void addRefine(CLI::App& program, int&) {
       "it\n"
       "stays 1, and the surface becomes one step finer.\n\nExample:\n  airclay refine pot.clay");
   command->callback([options] { runRefine(*options); });
+}
+
+void addSet(CLI::App& program, int&) {
+  CLI::App* command =
+      program.add_subcommand("set", "change a document's level, rule or solve, or put another cage into it");
+  const auto options = std::make_shared<SetOptions>();
+  addFile(*command, *options);
+  command->add_option("--clay", options->clay, "a preset: tube, cube, ball, slab, vase; or a cage in an OBJ")
+      ->type_name("PRESET|FILE");
+  addSubdivisionOptions(*command, options->words);
+  addSolveOption(*command, options->words);
+  for (const char* name : {"--levels", "--rule", "--solve"}) {
+    CLI::Option* option = command->get_option(name);
+    std::string description = option->get_description();
+    for (const char* preset : {" [this]", " [2]"})
+      if (const std::size_t at = description.find(preset); at != std::string::npos)
+        description.erase(at, std::string(preset).size());
+    option->description(description);
+  }
+  addCommonOptions(*command, *options, Uses::kNothing, false);
+  command->footer(
+      "What is not given stays as it is; the change is an edit that can be undone.\n\n"
+      "Example:\n  airclay set pot.clay --levels 3 --solve touched");
+  command->callback([options, command] {
+    options->levels_given = command->count("--levels") > 0;
+    options->rule_given = command->count("--rule") > 0;
+    options->solve_given = command->count("--solve") > 0;
+    runSet(*options);
+  });
+}
+
+void addTurn(CLI::App& program, int&) {
+  CLI::App* command =
+      program.add_subcommand("turn", "turn a document's clay about an axis through the middle");
+  const auto options = std::make_shared<TurnOptions>();
+  addFile(*command, *options);
+  command->add_option("--axis", options->axis, "x, y or z, of the world")
+      ->required()
+      ->check(CLI::IsMember({"x", "y", "z"}).description(""))
+      ->type_name("AXIS");
+  command->add_option("--degrees", options->degrees, "how far, right-handed")
+      ->required()
+      ->check(CLI::Range(-360.0, 360.0).description(""))
+      ->type_name("A");
+  addCommonOptions(*command, *options, Uses::kNothing, false);
+  command->footer("Example:\n  airclay turn pot.clay --axis z --degrees 90");
+  command->callback([options] { runTurn(*options); });
 }
 
 }  // namespace airclay

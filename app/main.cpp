@@ -59,6 +59,8 @@ int run(int argc, char** argv) {
   addUndo(program, status);
   addRedo(program, status);
   addRefine(program, status);
+  addSet(program, status);
+  addTurn(program, status);
   addFigures(program, status);
   addCompare(program, status);
   addBench(program, status);

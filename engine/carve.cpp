@@ -52,8 +52,7 @@ Carver::Carver(Gpu& gpu, const GpuRig& rig, int voxels)
       bricks_edge_(ceilDivide(static_cast<std::uint32_t>(voxels), kBrickVoxels)),
       workgroup_(gpu.isCpu() && voxels <= kFineGrainedVoxels ? std::min(gpu.subgroupSize(), kCarveWorkgroup)
                                                              : kCarveWorkgroup),
-      tile_kernel_(gpu, "carve_tiles", carve_tiles_comp,
-                   {workgroup_, rig.sameSize()[0], rig.sameSize()[1]}),
+      tile_kernel_(gpu, "carve_tiles", carve_tiles_comp, {workgroup_, rig.sameSize()[0], rig.sameSize()[1]}),
       top_blocks_(gpu, "carve_blocks_32", carve_blocks_comp,
                   {workgroup_, kTopVoxels, kRuns[0], rig.lensKinds(), lanes(gpu)}),
       brick_blocks_(gpu, "carve_blocks_8", carve_blocks_comp,
@@ -107,8 +106,7 @@ void Carver::record(Recorder& recorder, const Buffer<std::uint32_t>& masks) {
   tiles.tiles = tiles_;
   tiles.mixed_counts = mixed_counts_;
   tiles.sums.address = sums_.raw().address();
-  recorder.dispatch(tile_kernel_, tiles, groupsFor(rig_.maxBands(), workgroup_),
-                    rig_.cameraCount());
+  recorder.dispatch(tile_kernel_, tiles, groupsFor(rig_.maxBands(), workgroup_), rig_.cameraCount());
 
   recordBlocks(recorder, top_blocks_, 0);
   recordBlocks(recorder, brick_blocks_, 1);

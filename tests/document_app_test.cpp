@@ -40,7 +40,7 @@ json historyOf(const std::string& file) {
 
 TEST(DocumentApp, EveryCommandHelps) {
   const std::string list = outputOf({"--help"});
-  for (const char* command : {"new", "history", "undo", "redo", "refine"}) {
+  for (const char* command : {"new", "history", "undo", "redo", "refine", "set", "turn"}) {
     EXPECT_NE(outputOf({command, "--help"}).find(std::string("airclay ") + command), std::string::npos);
     EXPECT_NE(list.find(std::string("\n  ") + command), std::string::npos) << command;
   }
@@ -155,10 +155,50 @@ TEST(DocumentApp, RefineIsAnEdit) {
   EXPECT_TRUE(sameClay(Document::open(file).state(), tubeState()));
 }
 
+TEST(DocumentApp, SetChangesWhatIsGivenAlone) {
+  const TemporaryFolder folder;
+  const std::string file = folder / "a.clay";
+  outputOf({"new", file});
+  ClayState expected = tubeState();
+  expected.levels = 3;
+  expected.solve = SolveRows::kTouched;
+  outputOf({"set", file, "--levels", "3", "--solve", "touched"});
+  EXPECT_TRUE(sameClay(Document::open(file).state(), expected));
+  expected.cage = presetCage("ball");
+  outputOf({"set", file, "--clay", "ball"});
+  EXPECT_TRUE(sameClay(Document::open(file).state(), expected));
+  const json history = historyOf(file);
+  EXPECT_EQ(history["entries"][1]["name"], "Level 3");
+  EXPECT_EQ(history["entries"][2]["name"], "Import ball");
+  expectRefused({"set", file}, 2, "there is nothing to change");
+  expectRefused({"set", file, "--levels", "15"}, 1, "");
+  EXPECT_TRUE(sameClay(Document::open(file).state(), expected));
+}
+
+TEST(DocumentApp, TurnIsARotation) {
+  const TemporaryFolder folder;
+  const std::string file = folder / "a.clay";
+  outputOf({"new", file});
+  outputOf({"turn", file, "--axis", "z", "--degrees", "90"});
+  const ClayState turned = Document::open(file).state();
+  const PolygonMesh tube = tubeState().cage;
+  for (std::size_t i = 0; i < tube.points.size(); ++i) {
+    const Vec3& p = tube.points[i];
+    EXPECT_LT((turned.cage.points[i] - Vec3(-p.y(), p.x(), p.z())).norm(), 1e-12);
+  }
+  for (const int degrees : {-40, -50})
+    outputOf({"turn", file, "--axis", "z", "--degrees", std::to_string(degrees)});
+  const ClayState back = Document::open(file).state();
+  for (std::size_t i = 0; i < tube.points.size(); ++i)
+    EXPECT_LT((back.cage.points[i] - tube.points[i]).norm(), 1e-12);
+  expectRefused({"turn", file, "--axis", "w", "--degrees", "90"}, 2, "--axis");
+  expectRefused({"turn", file, "--axis", "x"}, 2, "--degrees");
+}
+
 TEST(DocumentApp, SaysWhatIsNoDocument) {
   const TemporaryFolder folder;
   const std::string letter = folder.write("letter.clay", std::string(2000, 'x'));
-  for (const char* command : {"history", "undo", "redo", "refine"}) {
+  for (const char* command : {"history", "undo", "redo", "refine", "set"}) {
     expectRefused({command, letter}, 1, letter + ": is no Airclay document");
     expectRefused({command, folder / "none.clay"}, 1, "there is no such file");
   }
