@@ -18,7 +18,8 @@
 //     stroke                            the stroke under way ended here
 //     undo | redo | refine | again      again: the source began anew, the hand is looked for
 //     form LEVEL RULE SOLVE
-//     turn X Y Z RADIANS more|last      about an axis through the workspace's centre
+//     turn X Y Z RADIANS more|last      clay and planes of symmetry, about an axis through the
+//                                       workspace's centre
 //     clay FILE NAME                    the clay became that of FILE; NAME is the entry's
 //     document FILE                     another document was opened; FILE is its copy
 //     end                               the recording was ended; without it, it broke off

@@ -8,6 +8,7 @@ namespace airclay {
 ClayState stateOf(const Document& document, const Clay& clay) {
   ClayState state = document.state();
   state.cage.points = clay.cage().points;
+  state.workspace_from_clay = clay.workspaceFromClay();
   return state;
 }
 

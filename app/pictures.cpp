@@ -84,6 +84,7 @@ Picture SculptPictures::workings(const std::optional<Pose>& world_from_hand) {
   all.strokes.push_back(cage);
   SceneStrokes data_points;
   data_points.points = &clay.dataPoints();
+  data_points.workspace_from_strokes = Pose(clay.workspaceFromClay());
   data_points.dots = true;
   data_points.width_px = 3;
   all.strokes.push_back(data_points);

@@ -8,6 +8,7 @@ namespace airclay {
 Clay::Clay(Gpu& gpu, const ClayState& state, const Vec3& workspace_center)
     : gpu_(gpu),
       workspace_center_(workspace_center),
+      workspace_from_clay_(state.workspace_from_clay),
       cage_faces_(state.cage.faces),
       solve_rows_(state.solve),
       levels_(state.levels),
@@ -20,14 +21,14 @@ Clay::Clay(Gpu& gpu, const ClayState& state, const Vec3& workspace_center)
 
 PolygonMesh Clay::cage() const {
   PolygonMesh mesh{downloadControlPoints(), cage_faces_};
-  for (Vec3& point : mesh.points) point += workspace_center_;
+  for (Vec3& point : mesh.points) point = workspace_from_clay_ * point + workspace_center_;
   return mesh;
 }
 
 PolygonMesh Clay::surface() const {
   PolygonMesh mesh;
   for (const vec3& point : dataPoints().download())
-    mesh.points.push_back(point.cast<double>() + workspace_center_);
+    mesh.points.push_back(workspace_from_clay_ * point.cast<double>() + workspace_center_);
   for (const std::array<int, 4>& quad : subdivision_.quads) mesh.faces.emplace_back(quad.begin(), quad.end());
   return mesh;
 }
@@ -36,13 +37,23 @@ void Clay::setControlPoints(const std::vector<Vec3>& points) {
   if (static_cast<int>(points.size()) != controlPointCount())
     throw Error(std::to_string(points.size()) + " control points were given; the cage has " +
                 std::to_string(controlPointCount()));
-  std::vector<Vec3> in_workspace = points;
-  for (Vec3& point : in_workspace) point -= workspace_center_;
-  uploadControlPoints(in_workspace);
+  std::vector<Vec3> in_clay = points;
+  for (Vec3& point : in_clay) point = workspace_from_clay_.conjugate() * (point - workspace_center_);
+  uploadControlPoints(in_clay);
   Recorder recorder(gpu_);
   recorder.begin();
   evaluator_.record(recorder, control_points_);
   recorder.submitAndWait();
+  ++edits_;
+}
+
+void Clay::setControlPoints(const std::vector<Vec3>& points, const Eigen::Quaterniond& workspace_from_clay) {
+  workspace_from_clay_ = workspace_from_clay;
+  setControlPoints(points);
+}
+
+void Clay::turn(const Eigen::Quaterniond& by) {
+  workspace_from_clay_ = (by * workspace_from_clay_).normalized();
   ++edits_;
 }
 

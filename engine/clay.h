@@ -9,8 +9,8 @@
 
 namespace airclay {
 
-/// The virtual clay: a control cage and its subdivision d = A p. Positions live on the device, in the
-/// workspace's frame (the world moved to the workspace's centre).
+/// The virtual clay: a control cage and its subdivision d = A p. Positions live on the device, in the clay's
+/// own frame: the workspace's (the world moved to the workspace's centre), turned as the clay has been.
 class Clay {
  public:
   /// \throw Error when the cage is none, or too large.
@@ -26,12 +26,17 @@ class Clay {
   /// The cage and the surface as they are now, in the world. \pre no submission is running
   PolygonMesh cage() const;
   PolygonMesh surface() const;
-  /// Moves the control points; the surface follows in the same call.
+  /// Moves the control points; the surface follows in the same call. World.
   void setControlPoints(const std::vector<Vec3>& points);
+  /// The same in a frame that is turned so.
+  void setControlPoints(const std::vector<Vec3>& points, const Eigen::Quaterniond& workspace_from_clay);
+  /// Turns all of it about the workspace's centre.
+  void turn(const Eigen::Quaterniond& by);
+  const Eigen::Quaterniond& workspaceFromClay() const { return workspace_from_clay_; }
   /// How often that was done: whoever followed the surface starts anew.
   int edits() const { return edits_; }
 
-  /// On the device: control points, data points, unit normals at the data points; metres, in the workspace's
+  /// On the device: control points, data points, unit normals at the data points; metres, in the clay's
   /// frame.
   const Buffer<vec3>& controlPoints() const { return control_points_; }
   const Buffer<vec3>& dataPoints() const { return evaluator_.dataPoints(); }
@@ -44,13 +49,14 @@ class Clay {
   /// the rounded copy that the surface is evaluated from.
   const Buffer<double>& exactPoints() const { return exact_points_; }
   SurfaceEvaluator& evaluator() { return evaluator_; }
-  /// The control points in the workspace's frame. \pre no submission is running
+  /// The control points in the clay's frame. \pre no submission is running
   std::vector<Vec3> downloadControlPoints() const;
   void uploadControlPoints(const std::vector<Vec3>& points);
 
  private:
   Gpu& gpu_;
   Vec3 workspace_center_;
+  Eigen::Quaterniond workspace_from_clay_;
   std::vector<std::vector<int>> cage_faces_;
   SolveRows solve_rows_;
   int levels_;

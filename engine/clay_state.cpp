@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "engine/clay_state.h"
 
+#include <cmath>
+
 #include "engine/cage.h"
 #include "engine/error.h"
 
@@ -22,6 +24,8 @@ void checkClayState(const ClayState& state, const std::string& where) {
     if (!points[i].allFinite())
       throw Error(where + ": control point " + std::to_string(i + 1) +
                   " is not finite; three numbers in metres would be right");
+  if (!(std::abs(state.workspace_from_clay.norm() - 1) < 1e-6))
+    throw Error(where + ": the clay's turn is none; a unit quaternion would be right");
   std::size_t corners = 0;
   for (const std::vector<int>& face : state.cage.faces) corners += face.size();
   if (corners > kMaxStateCorners)
@@ -32,7 +36,7 @@ void checkClayState(const ClayState& state, const std::string& where) {
 
 bool sameClay(const ClayState& a, const ClayState& b) {
   return a.levels == b.levels && a.rule == b.rule && a.solve == b.solve && a.cage.points == b.cage.points &&
-         a.cage.faces == b.cage.faces;
+         a.cage.faces == b.cage.faces && a.workspace_from_clay.coeffs() == b.workspace_from_clay.coeffs();
 }
 
 }  // namespace airclay

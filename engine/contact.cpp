@@ -40,6 +40,7 @@ void ContactFrame::recordBegin(Recorder& recorder, const Buffer<GpuFit>& fit, bo
   ContactBeginArgs begin{};
   begin.fit = fit;
   begin.frame = state_;
+  begin.clay_from_workspace = clay_from_workspace_.coeffs().cast<float>();
   begin.groups = groups_;
   begin.held = held ? 1 : 0;
   begin.forget = forget_ ? 1 : 0;

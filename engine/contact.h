@@ -23,6 +23,9 @@
 // within the frame. Plain repeats converge slowly: over all rows a lone point gets only the share of its way
 // that is its row's entry of A A⁺, about a tenth. contact_check.comp tells how the step is chosen instead;
 // points are only ever pushed, so none ends far off the hand for it.
+//
+// All that is told of the clay here is in its own frame (engine/clay.h), where the planes of symmetry are
+// those of the axes: "workspace" means that frame, into which the hand's pose is turned when a frame begins.
 #pragma once
 
 #include "engine/distance_grid.h"
@@ -48,6 +51,10 @@ class ContactFrame {
   /// Starts a frame: element 0 of `fit` is the hand, `held` the clutch. `images` of each data point are
   /// looked at in workgroups of their own.
   void recordBegin(Recorder& recorder, const Buffer<GpuFit>& fit, bool held, std::uint32_t images = 1);
+  /// From the next frame on. When it changes, that has to start anew.
+  void setClayFromWorkspace(const Eigen::Quaterniond& clay_from_workspace) {
+    clay_from_workspace_ = clay_from_workspace;
+  }
   /// The next frame starts anew, as if tracking began.
   void forget() { forget_ = true; }
 
@@ -76,6 +83,7 @@ class ContactFrame {
   DistanceGrid grid_;  ///< without its values
   ContactGroups groups_;
   bool forget_ = true;
+  Eigen::Quaterniond clay_from_workspace_ = Eigen::Quaterniond::Identity();
   Kernel<ContactBeginArgs> begin_;
   Buffer<float> distances_;
   Buffer<GpuContactFrame> state_;

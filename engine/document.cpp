@@ -42,6 +42,11 @@ constexpr const char* kSchema[] = {
     " current_entry INTEGER NOT NULL REFERENCES entry (id)) STRICT",
 };
 
+// Of entries whose clay was turned: its unit quaternion x, y, z, w, doubles, little-endian; NULL of the
+// others. The column comes with the first of them, so that documents without one are as they ever were.
+constexpr const char* kAddTurns = "ALTER TABLE entry ADD COLUMN turn BLOB";
+constexpr const char* kHasTurns = "SELECT count(*) FROM pragma_table_info('entry') WHERE name = 'turn'";
+
 constexpr std::pair<SubdivisionRule, const char*> kRules[] = {
     {SubdivisionRule::kCatmullClark, "catmull-clark"}, {SubdivisionRule::kPrinted, "printed"}};
 constexpr std::pair<SolveRows, const char*> kSolves[] = {{SolveRows::kAll, "all"},
@@ -262,7 +267,14 @@ std::int64_t Document::insertEntry(const Entry& entry, const Loaded& loaded) {
       .bind(6, loaded.connectivity)
       .bind(7, std::as_bytes(std::span(loaded.state.cage.points)));
   insert.next();
-  return database_.number("SELECT last_insert_rowid()");
+  const std::int64_t id = database_.number("SELECT last_insert_rowid()");
+  const Eigen::Vector4d& turn = loaded.state.workspace_from_clay.coeffs();
+  if (turn != Eigen::Quaterniond::Identity().coeffs()) {
+    if (database_.number(kHasTurns) == 0) database_.run(kAddTurns);
+    Statement update(database_, "UPDATE entry SET turn = ? WHERE id = ?");
+    update.bind(1, std::as_bytes(std::span(turn.data(), 4))).bind(2, id).next();
+  }
+  return id;
 }
 
 void Document::setCurrent(std::int64_t entry) {
@@ -317,8 +329,20 @@ Document::Loaded Document::load(const Entry& entry) const {
     throw Error(where(entry) + " has " + std::to_string(points.size()) + " bytes of control points; " +
                 std::to_string(point_count * sizeof(Vec3)) + " would be right");
   loaded.state.cage.points = valuesOf<Vec3>(points);
+  loaded.state.workspace_from_clay = loadTurn(entry);
   checkClayState(loaded.state, where(entry));
   return loaded;
+}
+
+Eigen::Quaterniond Document::loadTurn(const Entry& entry) const {
+  if (database_.number(kHasTurns) == 0) return Eigen::Quaterniond::Identity();
+  Statement select(database_, "SELECT turn FROM entry WHERE id = ? AND turn IS NOT NULL");
+  if (!select.bind(1, entry.id).next()) return Eigen::Quaterniond::Identity();
+  const std::vector<double> values = valuesOf<double>(select.bytes(0));
+  if (values.size() != 4)
+    throw Error(where(entry) + " has " + std::to_string(values.size()) +
+                " numbers of the clay's turn; 4 would be right");
+  return Eigen::Quaterniond(Eigen::Vector4d(values.data()));
 }
 
 std::vector<std::vector<int>> Document::loadFaces(std::int64_t connectivity, std::size_t& point_count) const {

@@ -79,6 +79,7 @@ class Document {
   void dropEntriesAfter(std::int64_t entry);
   void loadHistory();
   Loaded load(const Entry& entry) const;
+  Eigen::Quaterniond loadTurn(const Entry& entry) const;
   std::vector<std::vector<int>> loadFaces(std::int64_t connectivity, std::size_t& point_count) const;
   void goTo(std::size_t entry);
   std::string where(const Entry& entry) const;

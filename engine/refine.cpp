@@ -22,6 +22,7 @@ ClayState refine(const ClayState& state) {
   refined.rule = state.rule;
   refined.levels = std::max(state.levels - 1, 1);
   refined.solve = state.solve;
+  refined.workspace_from_clay = state.workspace_from_clay;
   return refined;
 }
 

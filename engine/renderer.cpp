@@ -314,8 +314,9 @@ void Renderer::addStrokes(std::vector<Draw>& draws, const Scene& scene, bool hid
   std::size_t own_points_before = 0;
   for (const SceneStrokes& strokes : scene.strokes) {
     RenderStrokeArgs args{};
-    args.clip_from_workspace = aim_.clip_from_workspace.cast<float>();
-    args.eye = aim_.eye.cast<float>();
+    args.clip_from_strokes =
+        (aim_.clip_from_workspace * strokes.workspace_from_strokes.matrix()).cast<float>();
+    args.eye = Vec3(strokes.workspace_from_strokes.inverse() * aim_.eye).cast<float>();
     args.viewport = vec2(static_cast<float>(options_.width), static_cast<float>(options_.height));
     std::size_t ends = strokes.own_points.size();
     if (strokes.points) {

@@ -151,6 +151,7 @@ struct SceneStrokes {
   const Buffer<vec3>* points = nullptr;
   const Buffer<std::uint32_t>* indices = nullptr;  ///< two a line, one a dot; none: all points in order
   std::vector<Vec3> own_points;                    ///< when `points` is not given
+  Pose workspace_from_strokes = Pose::Identity();
   vec3 color = vec3(0.02f, 0.02f, 0.025f);
   double width_px = 2;  ///< at a picture 720 pixels high; the dots' diameter
   double hidden = 0;    ///< how much of it shows through what is before it

@@ -32,6 +32,7 @@ void Sculptor::takeControls(const SculptControls& controls) {
   if (edited || mirrored_anew)
     keeper_.setOrbits(symmetryOrbits({clay_.downloadControlPoints(), clay_.cageFaces()}, controls.symmetry));
   contact_.setMirrors(mirrorsOf(controls.symmetry));
+  contact_.shared().setClayFromWorkspace(clay_.workspaceFromClay().conjugate());
   clay_edits_ = clay_.edits();
   controls_ = controls;
 }

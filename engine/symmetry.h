@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Symmetry: whatever the hand does to the clay is done mirrored too, about the planes through the workspace's
-// centre.
+// centre that are the clay's own: they turn with it (engine/clay.h).
 //
 // The hand has up to eight images, itself among them. A data point meets an image of the hand where the
 // point's own mirror image meets the hand; so each tool looks at a point's images with the one hand, and

@@ -143,6 +143,7 @@ struct ContactDecision {
 struct ContactBeginArgs {
   ReadFits fit;
   ReadWriteContactFrames frame;
+  vec4 clay_from_workspace;  // the clay may be turned; a unit quaternion x y z w
   ContactGroups groups;
   uint held;    // the clutch
   uint forget;  // 1: the last pose holds no more

@@ -11,6 +11,7 @@
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #include "shaders/fit_io.h"
+#include "shaders/quaternion.glsl"
 
 layout(local_size_x_id = 0) in;
 layout(push_constant, scalar) uniform Push { FitArgs args; };
@@ -26,12 +27,6 @@ const float kMaxShift = 0.03;  // m
 const float kStallShift = 2e-5, kStallTurn = 2e-4;
 
 shared float shared_sums[kSums * 32];  // at most 32 subgroups
-
-vec3 rotate(vec4 q, vec3 v) { return v + 2 * cross(q.xyz, cross(q.xyz, v) + q.w * v); }
-
-vec4 multiply(vec4 a, vec4 b) {
-  return vec4(a.w * b.xyz + b.w * a.xyz + cross(a.xyz, b.xyz), a.w * b.w - dot(a.xyz, b.xyz));
-}
 
 READ_POINTER(ReadPatchWords, uint64_t)
 

@@ -12,7 +12,7 @@ layout(location = 1) flat out float segment_length;        // pixels
 vec4 clipPoint(uint index) {
   const uint at = uint64_t(args.indices) != 0 ? args.indices.at[index] : index;
   const vec3 place = mix(args.points.at[at], args.eye, kStrokeNearer);
-  return args.clip_from_workspace * vec4(place, 1);
+  return args.clip_from_strokes * vec4(place, 1);
 }
 
 void main() {

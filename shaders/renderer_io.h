@@ -121,8 +121,8 @@ struct RenderBackdropArgs {
 struct RenderStrokeArgs {
   ReadVec3s points;
   ReadUints indices;   // two a segment, one a dot; 0: in order
-  mat4 clip_from_workspace;
-  vec3 eye;
+  mat4 clip_from_strokes;
+  vec3 eye;            // the strokes' frame
   vec4 color;
   vec2 viewport;       // pixels
   float width;         // pixels

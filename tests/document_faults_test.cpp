@@ -116,6 +116,10 @@ TEST(DocumentFaults, AHandEditIsCheckedWhereverItIs) {
        "column points is of another type"},
       {"UPDATE entry SET id = 9223372036854775807 WHERE id = 8", "an entry's number"},
       {"PRAGMA user_version = 0", "its format is 0"},
+      {"ALTER TABLE entry ADD COLUMN turn BLOB; UPDATE entry SET turn = zeroblob(24)", "3 numbers"},
+      {"ALTER TABLE entry ADD COLUMN turn BLOB; UPDATE entry SET turn = zeroblob(32)", "a unit quaternion"},
+      {"ALTER TABLE entry RENAME TO e; CREATE TABLE entry AS SELECT *, 5 AS turn FROM e",
+       "column turn is of another type"},
   };
   for (const auto& [sql, expected] : edits) {
     SCOPED_TRACE(sql);

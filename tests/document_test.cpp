@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstring>
 #include <ctime>
 #include <limits>
@@ -102,6 +103,50 @@ TEST(Document, UndoAndRedoGoBackAcrossRestarts) {
   EXPECT_NE(messageOf([&] { document.undo(); }).find("there is nothing to undo"), std::string::npos);
   EXPECT_NE(messageOf([&] { document.redo(4); }).find("there are 3 to redo"), std::string::npos);
   EXPECT_TRUE(sameClay(document.state(), first));
+}
+
+TEST(Document, KeepsTurnsAndWritesNoneWhereThereIsNone) {
+  const TemporaryFolder folder;
+  const fs::path file = folder / "a.clay";
+  const ClayState first = tubeState(), pushed = afterStroke(first, 1);
+  ClayState turned = pushed;
+  turned.workspace_from_clay = Eigen::AngleAxisd(0.3, Vec3(2, -1, 2) / 3);
+  const auto columns = [&] { return rowsOf(file, "SELECT name FROM pragma_table_info('entry')").size(); };
+  Document::create(file, first);
+  Document::open(file).commit("Push", pushed);
+  EXPECT_EQ(columns(), 8u) << "what an Airclay without turns made";
+  {
+    Document document = Document::open(file);
+    document.commit("Turn", turned);  // of the same points: the turn alone is an edit
+    document.commit("Refine", refine(turned));
+  }
+  EXPECT_EQ(columns(), 9u);
+  const auto rows = rowsOf(file, "SELECT turn, typeof(turn) FROM entry ORDER BY id");
+  ASSERT_EQ(rows.size(), 4u);
+  EXPECT_EQ(rows[1][1], "null");
+  ASSERT_EQ(rows[2][0].size(), 32u);
+  const double expected[] = {std::sin(0.15) * 2 / 3, -std::sin(0.15) / 3, std::sin(0.15) * 2 / 3,
+                             std::cos(0.15)};
+  for (std::size_t i = 0; i < 4; ++i) {
+    double value = 0;
+    std::memcpy(&value, rows[2][0].data() + 8 * i, 8);
+    EXPECT_NEAR(value, expected[i], 1e-15);
+  }
+  Document document = Document::open(file);
+  EXPECT_TRUE(sameClay(document.state(), refine(turned)));
+  EXPECT_EQ(document.state().workspace_from_clay.coeffs(), turned.workspace_from_clay.coeffs());
+  document.undo();
+  EXPECT_TRUE(sameClay(document.state(), turned));
+  EXPECT_FALSE(sameClay(document.state(), pushed));
+  document.undo();
+  EXPECT_TRUE(sameClay(document.state(), pushed));
+  document.redo(2);
+  EXPECT_TRUE(sameClay(document.state(), refine(turned)));
+  document.saveAs(folder / "b.clay");
+  EXPECT_TRUE(sameClay(Document::open(folder / "b.clay").state(), refine(turned)));
+  // a clay that is turned from the first
+  Document::create(folder / "c.clay", turned);
+  EXPECT_TRUE(sameClay(Document::open(folder / "c.clay").state(), turned));
 }
 
 TEST(Document, AnEditAfterUndoDropsWhatCouldBeRedone) {
@@ -323,6 +368,9 @@ TEST(Document, CreateLeavesNothingOfAStateThatIsNone) {
   state = tubeState();
   state.cage.points[3].y() = std::numeric_limits<double>::quiet_NaN();
   refuses(state, "control point 4 is not finite");
+  state = tubeState();
+  state.workspace_from_clay.w() = 2;
+  refuses(state, "a unit quaternion would be right");
   state = tubeState();
   state.cage.faces[0][0] = 28;
   refuses(state, "face 1");

@@ -5,8 +5,10 @@
 #include <signal.h>
 
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "capture/take.h"
+#include "engine/demo_scene.h"
 #include "engine/mesh_file.h"
 #include "engine/presets.h"
 #include "tests/documents.h"
@@ -122,6 +124,55 @@ TEST_F(RecordingApp, TheRecordingIsATakeLikeAnother) {
   EXPECT_EQ(contentOf(folder / "take.tum"), contentOf(folder / "mine.tum"));
   run({"sculpt", at("mine"), "--afresh", "--tool", "smooth", "--headless", "--out", at("afresh")});
   EXPECT_NE(clayIn("afresh"), clayIn("mine-out"));
+}
+
+TEST_F(RecordingApp, SymmetricClayThatIsTurnedStaysSymmetricAboutItsOwnPlanes) {
+  const Rig rig = demoRig();
+  const Vec3& center = rig.workspace.center;
+  const Mat3 turn = Eigen::AngleAxisd(0.75, Vec3::UnitZ()).toRotationMatrix();
+  ClayState ball = tubeState();
+  ball.cage = presetCage("ball");
+  // the hand comes from the side into the clay and goes away again; `about` turns its way
+  const auto stroke = [&](const Mat3& about) {
+    std::ostringstream lines;
+    lines.precision(17);
+    for (int i = 0; i <= 30; ++i) {
+      const Vec3 place = center + about * Vec3(0.3 - 0.016 * std::min(i, 30 - i), -0.08, 0.02);
+      lines << "frame " << i / 30.0 << " 0.033 push x 1 0";
+      for (int row = 0; row < 3; ++row)
+        lines << " " << about(row, 0) << " " << about(row, 1) << " " << about(row, 2) << " " << place[row];
+      lines << "\n";
+    }
+    return lines.str() + "stroke\n";
+  };
+  const auto played = [&](const std::string& name, const std::string& actions) {
+    fs::create_directories(folder / name);
+    writeRig(folder / (name + "/rig.toml"), rig);
+    Document::create(folder / (name + "/start.clay"), ball);
+    folder.write(name + "/actions.txt", "airclay-actions 1\nmouse\n" + actions + "end\n");
+    EXPECT_EQ(replay(name).errors, "");
+    return Document::open(at(name + "-again.clay")).state();
+  };
+  const std::string turned_at_once = "turn 0 0 1 0.5 more\nturn 0 0 1 0.25 last\n";
+  const ClayState lying = played("lying", stroke(Mat3::Identity()));
+  const ClayState turned = played("turned", turned_at_once + stroke(turn));
+  double moved_m = 0, lopsided_m = 0;
+  for (std::size_t i = 0; i < ball.cage.points.size(); ++i) {
+    const Vec3 start = ball.cage.points[i], truth = lying.cage.points[i] - center;
+    EXPECT_LT((turn.transpose() * (turned.cage.points[i] - center) - truth).norm(), 1e-5);
+    moved_m = std::max(moved_m, (lying.cage.points[i] - start).norm());
+    double nearest_m = 1;
+    for (const Vec3& other : turned.cage.points)
+      nearest_m = std::min(
+          nearest_m, (Vec3(-truth.x(), truth.y(), truth.z()) - turn.transpose() * (other - center)).norm());
+    lopsided_m = std::max(lopsided_m, nearest_m);
+  }
+  EXPECT_GT(moved_m, 0.01);
+  EXPECT_LT(lopsided_m, 1e-5);
+  EXPECT_LT(angleBetween(turned.workspace_from_clay.toRotationMatrix(), turn), 1e-12);
+  // undone, the planes are back too: the same stroke does the same, bit for bit
+  EXPECT_TRUE(sameClay(played("undone", turned_at_once + stroke(turn) + "undo\nundo\n"), ball));
+  EXPECT_TRUE(sameClay(played("anew", turned_at_once + "undo\n" + stroke(Mat3::Identity())), lying));
 }
 
 TEST_F(RecordingApp, KilledItCanBePlayedAsFarAsItGoes) {

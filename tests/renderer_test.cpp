@@ -130,7 +130,8 @@ TEST(Renderer, ACamerasViewShowsPointsWhereTheCameraProjectsThem) {
     SceneStrokes dot;
     dot.dots = true;
     dot.width_px = 24;
-    dot.own_points = {point_in_world - rig.workspace.center};
+    dot.workspace_from_strokes = Eigen::Translation3d(0.1, -0.3, 0.2) * Eigen::AngleAxisd(2, Vec3::UnitY());
+    dot.own_points = {dot.workspace_from_strokes.inverse() * (point_in_world - rig.workspace.center)};
     scene.strokes = {dot};
     painting.paint(scene, view);
     Vec2 sum = Vec2::Zero();

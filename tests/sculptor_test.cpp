@@ -2,6 +2,7 @@
 // Contact, solve and subdivision together: a ball and the built-in hand pushed into clay.
 #include "engine/sculptor.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "engine/error.h"
@@ -186,6 +187,44 @@ TEST(Sculptor, TheWorkspacesCentreAndSetControlPoints) {
   for (std::size_t i = 0; i < moved.size(); ++i)
     EXPECT_LT((workshop.clay.cage().points[i] - moved[i]).norm(), 1e-12);
   EXPECT_THROW(workshop.clay.setControlPoints({}), Error);
+}
+
+TEST(Sculptor, ClayTurnsAboutTheWorkspacesCentre) {
+  const Vec3 center(1, -2, 3);
+  const Eigen::Quaterniond about_z(Eigen::AngleAxisd(M_PI / 2, Vec3::UnitZ()));
+  const PolygonMesh cage = presetCage("tube");
+  Workshop workshop("tube", 2, SolveRows::kAll, ballHand(kBallRadius_m), center);
+  const PolygonMesh before = workshop.clay.surface();
+  const auto expectTurned = [&](const std::vector<Vec3>& now, const std::vector<Vec3>& then) {
+    for (std::size_t i = 0; i < then.size(); ++i) {
+      const Vec3 from_center = then[i] - center;
+      EXPECT_LT((now[i] - center - Vec3(-from_center.y(), from_center.x(), from_center.z())).norm(), 1e-12);
+    }
+  };
+  workshop.clay.turn(about_z);
+  expectTurned(workshop.clay.cage().points, cage.points);
+  expectTurned(workshop.clay.surface().points, before.points);
+  // in the same frame, and in another one
+  workshop.clay.setControlPoints(cage.points);
+  for (std::size_t i = 0; i < cage.points.size(); ++i)
+    EXPECT_LT((workshop.clay.cage().points[i] - cage.points[i]).norm(), 1e-12);
+  EXPECT_TRUE(workshop.clay.workspaceFromClay().isApprox(about_z));
+  workshop.clay.setControlPoints(cage.points, Eigen::Quaterniond::Identity());
+  workshop.clay.turn(about_z);
+  expectTurned(workshop.clay.cage().points, cage.points);
+
+  // clay that is turned into the hand was not touched by it
+  const Eigen::Quaterniond about_x(Eigen::AngleAxisd(M_PI / 2, Vec3::UnitX()));
+  const std::vector<Vec3> standing = workshop.clay.surface().points;
+  const Vec3 top = *std::max_element(standing.begin(), standing.end(),
+                                     [](const Vec3& a, const Vec3& b) { return a.z() < b.z(); });
+  const Vec3 there = about_x * (top - center);
+  for (const Vec3& point : standing) ASSERT_GT((point - center - there).norm(), kBallRadius_m);
+  workshop.frame(fitAt(there));
+  workshop.clay.turn(about_x);
+  EXPECT_EQ(workshop.frame(fitAt(there)).touched, 0);
+  EXPECT_EQ(workshop.frame(fitAt(there)).touched, 0);
+  EXPECT_GT(workshop.frame(fitAt(there + Vec3(0.01, 0.07, 0))).touched, 0) << "that was a way into it";
 }
 
 }  // namespace

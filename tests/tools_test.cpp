@@ -324,6 +324,42 @@ TEST(Tools, ASymmetricCageStaysSymmetricUnderEveryTool) {
       }
 }
 
+TEST(Tools, ThePlanesOfSymmetryTurnWithTheClay) {
+  // clay and hand turned alike: the same shape, turned; the clay that lies as it did is the truth
+  const HandModel hand = ballHand(kBallRadius_m);
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()));
+  PolygonMesh cage = presetCage("ball");
+  for (Vec3& point : cage.points) point.x() *= 1.2;
+  const auto sculpt = [&](Workshop& workshop, const Eigen::Quaterniond& by, Tool tool) {
+    for (int i = 0; i <= 12; ++i) {
+      const double out = tool == Tool::kPull ? 0.125 + 0.002 * i : 0.14 - 0.003 * i;
+      const Vec3 place(0.03 - 0.001 * i, out, 0.01 - 0.002 * i);
+      const Eigen::Quaterniond rotation(Eigen::AngleAxisd(0.02 * i, Vec3::UnitX()));
+      workshop.frame(fitAt(by * place, by * rotation), with(tool, {true, true, false}));
+    }
+    std::vector<Vec3> surface = workshop.surface();
+    for (Vec3& point : surface) point = by.conjugate() * point;
+    return surface;
+  };
+  for (const SolveRows rows : kBothSolves)
+    for (const Tool tool : {Tool::kPush, Tool::kPull, Tool::kSmooth}) {
+      Workshop lying(cage, rows, hand), turned(cage, rows, hand), moved(cage, rows, hand);
+      const std::vector<Vec3> before = lying.surface();
+      const std::vector<Vec3> truth = sculpt(lying, Eigen::Quaterniond::Identity(), tool);
+      EXPECT_GT(largestMove(before, truth), tool == Tool::kSmooth ? 0.00005 : 0.01);
+      turned.clay.turn(turn);
+      const std::vector<Vec3> found = sculpt(turned, turn, tool);
+      EXPECT_LT(largestMove(truth, found), 1e-5);
+      EXPECT_LT(asymmetry(found, Vec3(-1, 1, 1)), 1e-6);
+      EXPECT_LT(asymmetry(found, Vec3(1, -1, 1)), 1e-6);
+      // points of the same places about the workspace's own planes are not
+      std::vector<Vec3> points = cage.points;
+      for (Vec3& point : points) point = turn * point;
+      moved.clay.setControlPoints(points);
+      EXPECT_GT(asymmetry(sculpt(moved, turn, tool), Vec3(1, -1, 1)), 2e-5);
+    }
+}
+
 TEST(Tools, SymmetryOnAnyMeshDoesBothSidesAsTheMirroredHandWould) {
   // a cage without symmetry of its own: the mirrored stroke is that of a mirrored hand on it
   PolygonMesh cage = ballCage(1);

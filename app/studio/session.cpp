@@ -426,10 +426,13 @@ void Session::lookAtClay(Snapshot& next, bool moved) {
     const std::vector<vec3> all = pipeline_.clay().dataPoints().download();
     const std::size_t step = std::max<std::size_t>(1, all.size() / kClayPoints);
     clay_points_.clear();
-    for (std::size_t i = 0; i < all.size(); i += step) clay_points_.push_back(all[i]);
+    workspace_from_clay_ = Pose(pipeline_.clay().workspaceFromClay());
+    const Eigen::Matrix3f turn = workspace_from_clay_.linear().cast<float>();
+    for (std::size_t i = 0; i < all.size(); i += step) clay_points_.push_back(turn * all[i]);
     ++clay_serial_;
   }
   next.clay_points = clay_points_;
+  next.workspace_from_clay = workspace_from_clay_;
   next.clay_serial = clay_serial_;
 }
 

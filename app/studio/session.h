@@ -72,6 +72,8 @@ struct Snapshot {
   std::vector<vec3> clay_points;  ///< some of its data points, spread evenly; workspace frame
   bool sculpting = false;         ///< a stroke is under way
   bool grip_barred = false;       ///< the clutch must be pressed anew: the hand was lost while it pulled
+  /// A turn: on the device the clay lies in its own frame.
+  Pose workspace_from_clay = Pose::Identity();
 };
 
 /// Work that takes long, for a bar.
@@ -255,6 +257,7 @@ class Session {
   Clock::time_point replay_began_;
   std::uint64_t serial_ = 0, clay_serial_ = 0;
   std::vector<vec3> clay_points_;
+  Pose workspace_from_clay_ = Pose::Identity();
 
   mutable std::shared_mutex structure_;  ///< the clay's buffers stay while it is held
   mutable std::mutex mutex_;             ///< of what follows

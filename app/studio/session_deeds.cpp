@@ -100,6 +100,7 @@ void Session::importCage(const std::filesystem::path& file) {
     const Working working(*this, "importing");
     ClayState state = document_.state();
     state.cage = readObj(file);
+    state.workspace_from_clay.setIdentity();
     becomeClay(state, "Import " + file.filename().string());
     note("imported " + file.filename().string());
   });
@@ -203,11 +204,7 @@ void Session::changeForm(const Deed& deed) {
 
 void Session::turnClay(const Deed& deed) {
   turning_ = !deed.last;
-  const Mat3 turn = Eigen::AngleAxisd(deed.angle_rad, deed.axis).toRotationMatrix();
-  const Vec3& center = options_.rig.workspace.center;
-  std::vector<Vec3> points = pipeline_.clay().cage().points;
-  for (Vec3& point : points) point = center + turn * (point - center);
-  pipeline_.clay().setControlPoints(points);
+  pipeline_.clay().turn(Eigen::Quaterniond(Eigen::AngleAxisd(deed.angle_rad, deed.axis)));
   if (deed.last) document_.commit("Turn", stateOf(document_, pipeline_.clay()));
 }
 
@@ -248,7 +245,7 @@ void Session::show(const ClayState& state) {
 }
 
 void Session::show(const ClayState& state, std::unique_ptr<Pipeline::MadeClay> clay) {
-  if (!clay) return pipeline_.clay().setControlPoints(state.cage.points);
+  if (!clay) return pipeline_.clay().setControlPoints(state.cage.points, state.workspace_from_clay);
   const std::unique_lock lock(structure_);
   gpu_.waitIdle();  // the window's pictures of the old clay
   pipeline_.setClay(std::move(clay));
@@ -273,7 +270,7 @@ void Session::beginRecording(const std::filesystem::path& folder) {
   recorder_.emplace(SessionRecorder::Start{folder, source, options_.rig, head, learned_}, document_);
   // From here on as it will be when this is played: nothing is known of the hand, and the clay is the file's.
   forgetHand();
-  pipeline_.clay().setControlPoints(document_.state().cage.points);
+  pipeline_.clay().setControlPoints(document_.state().cage.points, document_.state().workspace_from_clay);
   note("recording into " + folder.string());
   showRecorder();
 }

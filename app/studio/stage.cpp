@@ -119,7 +119,7 @@ void Stage::record(Recorder& recorder, const Session::ClayOnDevice& clay, const 
   recorder.stage("picture: surface");
   const SurfaceBuffers surface = recordSurface(recorder, clay, snapshot.clay_serial, wanted.moving);
   Scene scene = sceneOf(clay, snapshot, settings, workspace_from_hand);
-  scene.meshes.push_back({.surface = surface});
+  scene.meshes.push_back({.surface = surface, .workspace_from_mesh = snapshot.workspace_from_clay});
   drawn_->record(recorder, scene, wanted.view);
 }
 
@@ -145,6 +145,7 @@ Scene Stage::sceneOf(const Session::ClayOnDevice& clay, const Snapshot& snapshot
     }
     SceneStrokes cage;
     cage.points = &clay.clay.controlPoints();
+    cage.workspace_from_strokes = snapshot.workspace_from_clay;
     cage.indices = &cage_edges_;
     cage.hidden = 0.3;
     scene.strokes.push_back(std::move(cage));
@@ -152,6 +153,7 @@ Scene Stage::sceneOf(const Session::ClayOnDevice& clay, const Snapshot& snapshot
   if (settings.show_points) {
     SceneStrokes points;
     points.points = &clay.clay.dataPoints();
+    points.workspace_from_strokes = snapshot.workspace_from_clay;
     points.dots = true;
     points.width_px = 4;
     scene.strokes.push_back(std::move(points));
