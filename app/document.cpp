@@ -135,7 +135,10 @@ void runRefine(const DocumentOptions& options) {
 void runSet(const SetOptions& options) {
   Document document = Document::open(options.file);
   ClayState state = document.state();
-  if (!options.clay.empty()) state.cage = loadCage(options.clay);
+  if (!options.clay.empty()) {
+    state.cage = loadCage(options.clay);
+    state.workspace_from_clay.setIdentity();
+  }
   if (options.levels_given) state.levels = options.words.levels;
   if (options.rule_given) state.rule = options.words.subdivisionRule();
   if (options.solve_given) state.solve = options.words.solveRows();
@@ -159,8 +162,9 @@ void runTurn(const TurnOptions& options) {
   Document document = Document::open(options.file);
   ClayState state = document.state();
   const Vec3 axis = Vec3::Unit(options.axis[0] - 'x');
-  const Mat3 turn = Eigen::AngleAxisd(options.degrees * M_PI / 180, axis).toRotationMatrix();
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(options.degrees * M_PI / 180, axis));
   for (Vec3& point : state.cage.points) point = turn * point;
+  state.workspace_from_clay = (turn * state.workspace_from_clay).normalized();
   document.commit("Turn", state);
   say(options, options.file + ": turned by " + fixed(options.degrees, 1) + " degrees about " + options.axis);
 }
