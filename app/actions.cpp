@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "app/actions.h"
 
-#include <charconv>
 #include <sstream>
 
 #include "engine/error.h"
@@ -22,12 +21,6 @@ constexpr const char* kSolves[] = {"all", "touched"};
 // In the order of Deed::What.
 constexpr const char* kDeeds[] = {"stroke", "undo", "redo",     "refine", "form",
                                   "turn",   "clay", "document", "again"};
-
-/// With all the digits that bring the same number back.
-std::string exactly(double value) {
-  char text[32];
-  return std::string(text, std::to_chars(text, text + sizeof text, value).ptr);
-}
 
 std::string wordOf(const Symmetry& symmetry) {
   const std::string axes =
@@ -228,8 +221,8 @@ std::string lineOf(const Deed& deed) {
               kSolves[static_cast<int>(deed.solve)];
       break;
     case What::kTurn:
-      for (const double value : deed.axis) line += " " + exactly(value);
-      line += " " + exactly(deed.angle_rad) + (deed.last ? " last" : " more");
+      for (const double value : deed.axis) line += " " + exactNumber(value);
+      line += " " + exactNumber(deed.angle_rad) + (deed.last ? " last" : " more");
       break;
     case What::kClay:
       line += " " + deed.file + " " + deed.name;
@@ -245,12 +238,12 @@ std::string lineOf(const Deed& deed) {
 
 std::string lineOf(const DoneFrame& frame, bool by_mouse) {
   if (frame.learned) return "learn\n";
-  std::string line = "frame " + exactly(frame.time_s) + " " + exactly(frame.step_s) + " " +
+  std::string line = "frame " + exactNumber(frame.time_s) + " " + exactNumber(frame.step_s) + " " +
                      kTools[static_cast<int>(frame.tool)] + " " + wordOf(frame.symmetry) +
                      (frame.held ? " 1" : " 0") + (frame.steady ? " 1" : " 0");
   if (by_mouse && !frame.given_hand) line += " nobody";
   if (by_mouse && frame.given_hand)
-    for (int i = 0; i < 12; ++i) line += " " + exactly(frame.given_hand->matrix()(i / 4, i % 4));
+    for (int i = 0; i < 12; ++i) line += " " + exactNumber(frame.given_hand->matrix()(i / 4, i % 4));
   return line + "\n";
 }
 

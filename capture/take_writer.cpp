@@ -3,7 +3,6 @@
 // the fastest, and a file that was cut off can be read up to its last whole frame.
 #include "capture/take_writer.h"
 
-#include <charconv>
 #include <condition_variable>
 #include <deque>
 #include <fstream>
@@ -16,6 +15,7 @@
 #include "capture/quiet.h"
 #include "engine/clock.h"
 #include "engine/error.h"
+#include "engine/mesh_file.h"
 
 namespace airclay {
 namespace {
@@ -34,12 +34,6 @@ PictureSize sizeOf(const Camera& camera) {
 /// OpenCV's writer cuts odd sides.
 bool goesIntoVideo(const Camera& camera) {
   return camera.width % 2 == 0 && camera.height % 2 == 0;
-}
-
-/// With all the digits that bring the same number back.
-std::string exactly(double value) {
-  char text[32];
-  return std::string(text, std::to_chars(text, text + sizeof text, value).ptr);
 }
 
 Bytes rgbaOf(const Bytes& bytes, int channels) {
@@ -182,7 +176,7 @@ void TakeWriter::Parts::writeTimes(const std::vector<double>& times_s) {
   last_times_s.clear();
   for (std::size_t c = 0; c < times_s.size(); ++c) {
     last_times_s.push_back(times_s[c] + later_s);
-    timestamps << rig.cameras[c].name << ',' << exactly(last_times_s.back()) << '\n';
+    timestamps << rig.cameras[c].name << ',' << exactNumber(last_times_s.back()) << '\n';
   }
   if (!timestamps.flush())
     throw Error((folder / "timestamps.csv").string() + ": cannot be written; is the disk full?");

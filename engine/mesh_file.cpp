@@ -243,6 +243,11 @@ std::optional<double> parseNumber(std::string_view word) {
   return number;
 }
 
+std::string exactNumber(double value) {
+  char digits[32];
+  return std::string(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
+}
+
 std::string printable(std::string_view word) {
   std::string text;
   for (const char c : word.substr(0, 40)) text += c >= ' ' && c <= '~' ? c : '?';

@@ -30,6 +30,8 @@ std::string readWhole(const std::filesystem::path& file, size_t max_bytes);
 
 /// A word of a text file as a number; none when it isn't one, or isn't finite. The same in every locale.
 std::optional<double> parseNumber(std::string_view word);
+/// Its inverse: with all the digits that bring the same number back.
+std::string exactNumber(double value);
 
 /// A word of a file as it can stand in a one-line message: other bytes as `?`, at most 40.
 std::string printable(std::string_view word);
