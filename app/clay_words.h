@@ -4,12 +4,12 @@
 
 #include <string>
 
-#include "engine/solve.h"
-#include "engine/subdivide.h"
+#include "engine/clay_state.h"
 
 namespace CLI {
 class App;
-}
+class Option;
+}  // namespace CLI
 
 namespace airclay {
 
@@ -22,11 +22,20 @@ struct ClayWords {
     return rule == "printed" ? SubdivisionRule::kPrinted : SubdivisionRule::kCatmullClark;
   }
   SolveRows solveRows() const { return solve == "touched" ? SolveRows::kTouched : SolveRows::kAll; }
+
+  /// Of the options; none where the command has no such option.
+  const CLI::Option *levels_option = nullptr, *rule_option = nullptr, *solve_option = nullptr;
+  bool levelsGiven() const;
+  /// Puts what was given on the command line into `state`; the rest stays as it is.
+  void applyTo(ClayState& state) const;
 };
 
+/// What holds where an option is not given, for its help.
+enum class Otherwise { kDefault, kAsItIs };
+
 /// --levels and --rule.
-void addSubdivisionOptions(CLI::App& command, ClayWords& words);
+void addSubdivisionOptions(CLI::App& command, ClayWords& words, Otherwise otherwise = Otherwise::kDefault);
 /// --solve.
-void addSolveOption(CLI::App& command, ClayWords& words);
+void addSolveOption(CLI::App& command, ClayWords& words, Otherwise otherwise = Otherwise::kDefault);
 
 }  // namespace airclay

@@ -31,7 +31,6 @@ struct NewOptions : DocumentOptions {
 struct SetOptions : DocumentOptions {
   std::string clay;
   ClayWords words;
-  bool levels_given = false, rule_given = false, solve_given = false;
 };
 
 struct TurnOptions : DocumentOptions {
@@ -139,9 +138,7 @@ void runSet(const SetOptions& options) {
     state.cage = loadCage(options.clay);
     state.workspace_from_clay.setIdentity();
   }
-  if (options.levels_given) state.levels = options.words.levels;
-  if (options.rule_given) state.rule = options.words.subdivisionRule();
-  if (options.solve_given) state.solve = options.words.solveRows();
+  options.words.applyTo(state);
   if (sameClay(state, document.state()))
     throw Error("set " + options.file +
                     ": there is nothing to change; --levels, --rule, --solve or --clay with another value "
@@ -149,9 +146,9 @@ void runSet(const SetOptions& options) {
                 Fault::kUsage);
   const Subdivision subdivision =
       subdivide(state.cage, state.levels, state.rule);  // refuses a level that is too high
-  document.commit(!options.clay.empty()  ? "Import " + std::filesystem::path(options.clay).filename().string()
-                  : options.levels_given ? "Level " + std::to_string(state.levels)
-                                         : "Settings",
+  document.commit(!options.clay.empty() ? "Import " + std::filesystem::path(options.clay).filename().string()
+                  : options.words.levelsGiven() ? "Level " + std::to_string(state.levels)
+                                                : "Settings",
                   state);
   say(options, options.file + ": " + counted(state.cage.points.size(), "control point") + ", " +
                    counted(static_cast<std::size_t>(subdivision.matrix.rows()), "data point") + " at level " +
@@ -245,26 +242,13 @@ void addSet(CLI::App& program, int&) {
   addFile(*command, *options);
   command->add_option("--clay", options->clay, "a preset: tube, cube, ball, slab, vase; or a cage in an OBJ")
       ->type_name("PRESET|FILE");
-  addSubdivisionOptions(*command, options->words);
-  addSolveOption(*command, options->words);
-  for (const char* name : {"--levels", "--rule", "--solve"}) {
-    CLI::Option* option = command->get_option(name);
-    std::string description = option->get_description();
-    for (const char* preset : {" [this]", " [2]"})
-      if (const std::size_t at = description.find(preset); at != std::string::npos)
-        description.erase(at, std::string(preset).size());
-    option->description(description);
-  }
+  addSubdivisionOptions(*command, options->words, Otherwise::kAsItIs);
+  addSolveOption(*command, options->words, Otherwise::kAsItIs);
   addCommonOptions(*command, *options, Uses::kNothing, false);
   command->footer(
       "What is not given stays as it is; the change is an edit that can be undone.\n\n"
       "Example:\n  airclay set pot.clay --levels 3 --solve touched");
-  command->callback([options, command] {
-    options->levels_given = command->count("--levels") > 0;
-    options->rule_given = command->count("--rule") > 0;
-    options->solve_given = command->count("--solve") > 0;
-    runSet(*options);
-  });
+  command->callback([options] { runSet(*options); });
 }
 
 void addTurn(CLI::App& program, int&) {

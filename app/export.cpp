@@ -20,7 +20,6 @@ namespace {
 struct ExportOptions : CommonOptions {
   std::string clay, out, what = "surface";
   ClayWords words;
-  bool levels_given = false, rule_given = false;
 };
 
 /// A document's own level and rule are what it is exported with, unless the words say otherwise.
@@ -30,8 +29,7 @@ ClayState clayOf(const ExportOptions& options) {
     clay = Document::open(options.clay).state();
   else
     clay.cage = loadCage(options.clay);
-  if (options.levels_given) clay.levels = options.words.levels;
-  if (options.rule_given) clay.rule = options.words.subdivisionRule();
+  options.words.applyTo(clay);
   return clay;
 }
 
@@ -49,7 +47,7 @@ std::string sizeOf(const MeshExport& written) {
 
 void runExport(const ExportOptions& options) {
   const bool cage_alone = options.what == "cage";
-  if (cage_alone && options.levels_given)
+  if (cage_alone && options.words.levelsGiven())
     throw Error("--levels is how often the surface is subdivided; leave it out with --what cage",
                 Fault::kUsage);
   meshFormatOf(options.out);
@@ -97,11 +95,7 @@ void addExport(CLI::App& program, int&) {
   command->footer(
       "Examples:\n  airclay export ball --levels 4 --out ball.stl\n"
       "  airclay export cage.obj --out clay.glb\n  airclay export pot.clay --out pot.stl");
-  command->callback([options, command] {
-    options->levels_given = command->count("--levels") > 0;
-    options->rule_given = command->count("--rule") > 0;
-    runExport(*options);
-  });
+  command->callback([options] { runExport(*options); });
 }
 
 }  // namespace airclay

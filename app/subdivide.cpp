@@ -78,21 +78,39 @@ void addCage(CLI::App& command, SubdivideOptions& options) {
 
 }  // namespace
 
-void addSubdivisionOptions(CLI::App& command, ClayWords& words) {
-  command.add_option("--levels", words.levels, "how often the cage is subdivided [2]")->type_name("N");
-  command
-      .add_option("--rule", words.rule,
-                  "how a vertex point is weighed: catmull-clark [this] or printed, the paper's eq. (4)")
-      ->check(CLI::IsMember({"catmull-clark", "printed"}).description(""))
-      ->type_name("RULE");
+bool ClayWords::levelsGiven() const {
+  return levels_option && levels_option->count() > 0;
 }
 
-void addSolveOption(CLI::App& command, ClayWords& words) {
-  command
-      .add_option("--solve", words.solve,
-                  "over which data points: all [this] or touched, the moved ones alone")
-      ->check(CLI::IsMember({"all", "touched"}).description(""))
-      ->type_name("ROWS");
+void ClayWords::applyTo(ClayState& state) const {
+  if (levelsGiven()) state.levels = levels;
+  if (rule_option && rule_option->count() > 0) state.rule = subdivisionRule();
+  if (solve_option && solve_option->count() > 0) state.solve = solveRows();
+}
+
+void addSubdivisionOptions(CLI::App& command, ClayWords& words, Otherwise otherwise) {
+  const bool marked = otherwise == Otherwise::kDefault;
+  words.levels_option =
+      command
+          .add_option("--levels", words.levels,
+                      std::string("how often the cage is subdivided") + (marked ? " [2]" : ""))
+          ->type_name("N");
+  words.rule_option = command
+                          .add_option("--rule", words.rule,
+                                      std::string("how a vertex point is weighed: catmull-clark") +
+                                          (marked ? " [this]" : "") + " or printed, the paper's eq. (4)")
+                          ->check(CLI::IsMember({"catmull-clark", "printed"}).description(""))
+                          ->type_name("RULE");
+}
+
+void addSolveOption(CLI::App& command, ClayWords& words, Otherwise otherwise) {
+  words.solve_option = command
+                           .add_option("--solve", words.solve,
+                                       std::string("over which data points: all") +
+                                           (otherwise == Otherwise::kDefault ? " [this]" : "") +
+                                           " or touched, the moved ones alone")
+                           ->check(CLI::IsMember({"all", "touched"}).description(""))
+                           ->type_name("ROWS");
 }
 
 void addSubdivide(CLI::App& program, int&) {

@@ -275,6 +275,7 @@ bool Session::learn() {
   if (!options_.replay && set_.frame < learned_frames_) return false;
   pipeline_.learnBackground();
   ++learned_frames_;
+  if (options_.headless) return true;  // a recording begins at the start there, or not at all
   learned_bytes_ += bytesOf(set_);
   if (learned_bytes_ <= kKeptLearnedBytes)
     learned_.push_back(set_);
