@@ -41,7 +41,7 @@ void Clay::setControlPoints(const std::vector<Vec3>& points) {
   for (Vec3& point : in_clay) point = workspace_from_clay_.conjugate() * (point - workspace_center_);
   uploadControlPoints(in_clay);
   Recorder recorder(gpu_);
-  recorder.begin();
+  recorder.begin(Timing::kNone);
   evaluator_.record(recorder, control_points_);
   recorder.submitAndWait();
   ++edits_;

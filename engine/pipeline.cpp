@@ -9,6 +9,7 @@
 #include "engine/tracker.h"
 
 namespace airclay {
+
 Pipeline::MadeClay::MadeClay(Gpu& gpu, const ClayState& state, const Vec3& workspace_center,
                              const DistanceGrid& hand)
     : clay_(std::make_unique<Clay>(gpu, state, workspace_center)),
@@ -19,6 +20,8 @@ struct Pipeline::Parts {
   Parts(Gpu& gpu_, const Rig& rig, const HandModel& hand_model, const PipelineOptions& options,
         const std::optional<ClayState>& clay_state)
       : gpu(gpu_),
+        seen_frames(gpu, options.time_every),
+        given_frames(gpu, options.time_every),
         hand(hand_model),
         gpu_rig(gpu, rig),
         pictures(gpu, gpu_rig.pictureWords(), Memory::kHost),
@@ -31,6 +34,7 @@ struct Pipeline::Parts {
   }
 
   Gpu& gpu;
+  TimingPlan seen_frames, given_frames;
   HandModel hand;
   GpuRig gpu_rig;
   Buffer<std::uint32_t> pictures;
@@ -120,7 +124,8 @@ struct Pipeline::Parts {
     if (controls) takeHandFrom(false);
     const bool following = tracker.hasPose();
     if (from_pictures) finishBackground();
-    recorder.begin();
+    const Timing timing = seen_frames.next();
+    recorder.begin(timing);
     recordHull(from_pictures);
     if (following) recordHandAndClay(controls);
     submit(result);
@@ -129,7 +134,7 @@ struct Pipeline::Parts {
     if (!result.fit.tracked) {
       result.searched = tracker.search(recorder, result.stage_ms);
       if (result.searched) {
-        recorder.begin();
+        recorder.begin(timing);
         recordHandAndClay(controls);
         submit(result);
         result.fit = tracker.finish();
@@ -153,7 +158,7 @@ struct Pipeline::Parts {
     result.fit.outside_fraction = 0;
     given_hand.host()[0] = fitFromPose(world_from_hand, tracker.model(), gpu_rig.rig().workspace);
     given_hand.host()[0].tracked = 1;
-    recorder.begin();
+    recorder.begin(given_frames.next());
     recordClay(given_hand, controls);
     submit(result);
     finishClay(result);
@@ -182,7 +187,7 @@ struct Pipeline::Parts {
 
   void hull(bool from_pictures) {
     if (from_pictures) finishBackground();
-    recorder.begin();
+    recorder.begin(Timing::kNone);
     recordHull(from_pictures);
     recorder.submitAndWait();
   }

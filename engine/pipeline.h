@@ -26,7 +26,8 @@ namespace airclay {
 class Sculptor;
 
 struct PipelineOptions {
-  int voxels = 128;  ///< along the workspace's edge
+  int voxels = 128;    ///< along the workspace's edge
+  int time_every = 0;  ///< stages are timed in one frame of so many (TimingPlan)
 };
 
 enum class HandState {
@@ -48,8 +49,9 @@ struct FrameResult {
   ClayStep clay;
   bool searched = false;  ///< the hand was looked for all around: such a frame takes longer
   double frame_ms = 0;    ///< wall time from pixels in memory to the result
-  /// On the device, disjoint, by name: silhouette, carve, fit, and with clay: clay.
-  std::vector<std::pair<std::string, double>> stage_ms;
+  /// On the device, disjoint, by name: silhouette, carve, fit, and with clay: clay. None in frames that are
+  /// not timed (PipelineOptions).
+  StageTimes stage_ms;
 };
 
 class Pipeline {

@@ -31,7 +31,7 @@ struct Session {
   Pipeline pipeline;
   std::vector<std::span<std::uint8_t>> pictures;
 
-  Session() : recording(testGpu()), pipeline(testGpu(), recording.rig(), hand, {}, tube()) {
+  Session() : recording(testGpu()), pipeline(testGpu(), recording.rig(), hand, {.time_every = 1}, tube()) {
     for (std::size_t c = 0; c < recording.rig().cameras.size(); ++c) pictures.push_back(pipeline.picture(c));
     for (int frame = 0; frame < recording.backgroundFrames(); ++frame) {
       recording.readPictures(frame, pictures);
@@ -201,7 +201,7 @@ TEST(Pipeline, AGivenHandSculptsWithoutCamerasAndTheClayCanBeReplaced) {
   const Rig rig = ringRig(4);
   const HandModel hand = builtInHand(false);
   const DistanceGrid distances = signedDistanceGrid(hand.skin, 0.002, 0.01);
-  Pipeline pipeline(testGpu(), rig, hand, {}, tube());
+  Pipeline pipeline(testGpu(), rig, hand, {.time_every = 1}, tube());
   // the fingers come from +x, pointing along -x
   const auto handAt = [](double x) {
     return Pose(Eigen::Translation3d(x, 0, 0) * Eigen::AngleAxisd(M_PI, Vec3::UnitZ()));

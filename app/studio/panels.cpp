@@ -300,7 +300,7 @@ void Panels::drawStatus(const Snapshot& snapshot, const Stage& stage, const Mete
 
 void Panels::drawStages(const Snapshot& snapshot) {
   std::string words = "decode " + fixed(snapshot.decode_ms, 1);
-  for (const auto& [name, ms] : snapshot.result.stage_ms) words += ", " + name + " " + fixed(ms, 1);
+  for (const auto& [name, ms] : snapshot.stage_ms) words += ", " + name + " " + fixed(ms, 1);
   if (snapshot.steady_ms) words += ", steady " + fixed(*snapshot.steady_ms, 0);
   const float top = ImGui::GetCursorPosY();
   ImGui::PushTextWrapPos(ImGui::GetCursorPosX() + Session::kThumbnailWidth -

@@ -446,6 +446,8 @@ void Session::publish(Snapshot next) {
   while (!frame_times_.empty() && now - frame_times_.front() > std::chrono::seconds(1))
     frame_times_.pop_front();
   next.rate_hz = static_cast<double>(frame_times_.size());
+  renewStages(next.result.stage_ms, stage_ms_);
+  next.stage_ms = stage_ms_;
   next.sculpting = strokes_.underWay();
   lookAtClay(next, next.result.clay.touched > 0);
   {

@@ -63,6 +63,7 @@ struct Snapshot {
   HandTrust trust = HandTrust::kNobody;
   std::optional<Pose> world_from_hand;  ///< as it sculpts
   FrameResult result;
+  StageTimes stage_ms;  ///< of the last frames that were timed
   double decode_ms = 0;
   std::optional<double> steady_ms;  ///< the filter's lag; of a hand at rest it means nothing
   std::optional<double> skew_s;     ///< the cameras'; none where they have no times of their own
@@ -243,6 +244,7 @@ class Session {
   Buffer<std::uint32_t> thumbnails_;
   std::array<std::vector<Thumbnail>, 2> thumbnail_places_;
   std::deque<Clock::time_point> frame_times_;
+  StageTimes stage_ms_;
   Clock::time_point thumbnails_at_{};
   double last_frame_s_ = -1;
   bool background_learned_ = false, turning_ = false;

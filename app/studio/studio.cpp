@@ -52,7 +52,8 @@ class Studio {
         stage_(gpu, session_, options.forearm),
         panels_(session_, settings_),
         view_(session.rig.workspace.edge_m),
-        recorder_(gpu) {
+        recorder_(gpu),
+        timed_pictures_(gpu, 0) {
     if (!options.log.empty()) log_.open(options.log);
     settings_.folder = settings_.folder.empty() ? std::filesystem::current_path() : settings_.folder;
     show_help_ = settings_.first_run;
@@ -121,7 +122,7 @@ class Studio {
     if (begun == Window::Begun::kInterface) drawInterface(snapshot);
     last_picture_ = Clock::now();
     session_.withClay([&](const Session::ClayOnDevice& clay) {
-      recorder_.begin();
+      recorder_.begin(timed_pictures_.next());
       stage_.record(recorder_, clay, snapshot, settings_,
                     {view_.view(), window_.width(), window_.height(), moving()});
       window_.draw(recorder_, stage_.picture(), panels_.insets());
@@ -129,6 +130,7 @@ class Studio {
     session_.pictureSubmitted(snapshot.serial);
     window_.show();
     recorder_.wait();
+    renewStages(recorder_.stageMs(), picture_ms_);
     std::optional<double> latency_ms;
     if (snapshot.serial != drawn_serial_ && snapshot.world_from_hand)
       latency_ms = 1000 * secondsBetween(snapshot.captured_at, Clock::now());
@@ -363,8 +365,8 @@ class Studio {
     last_log_ = Clock::now();
     const DocumentView document = session_.documentView();
     nlohmann::ordered_json stages;
-    for (const auto& [name, ms] : snapshot.result.stage_ms) stages[name] = ms;
-    for (const auto& [name, ms] : recorder_.stageMs()) stages[name] = ms;
+    for (const auto& [name, ms] : snapshot.stage_ms) stages[name] = ms;
+    for (const auto& [name, ms] : picture_ms_) stages[name] = ms;
     using json = nlohmann::ordered_json;
     const json line = {{"picture_hz", meter_.pictureHz()},
                        {"tracking_hz", snapshot.rate_hz},
@@ -402,6 +404,8 @@ class Studio {
   Panels panels_;
   ViewControl view_;
   Recorder recorder_;
+  TimingPlan timed_pictures_;
+  StageTimes picture_ms_;  ///< of the last pictures that were timed
   Meter meter_;
   FileChooser chooser_;
   std::vector<KeyGroup> keys_;

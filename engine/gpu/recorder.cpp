@@ -68,7 +68,8 @@ Recorder::~Recorder() {
   vkDestroyCommandPool(gpu_.device(), pool_, nullptr);
 }
 
-void Recorder::begin() {
+void Recorder::begin(Timing timing) {
+  timed_ = timing == Timing::kStages;
   commands_.clear();
   stages_.clear();
   tracker_.reset();
@@ -78,12 +79,13 @@ void Recorder::begin() {
   VkCommandBufferBeginInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
   info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
   check(vkBeginCommandBuffer(command_buffer_, &info), "record commands");
-  vkCmdResetQueryPool(command_buffer_, queries_, 0, kMaxStages + 1);
+  if (timed_) vkCmdResetQueryPool(command_buffer_, queries_, 0, kMaxStages + 1);
   // another thread's submission may still use the same buffers; a software device runs in order
   if (!gpu_.isCpu()) barrier();
 }
 
 void Recorder::stage(const std::string& name) {
+  if (!timed_) return;
   if (stages_.size() >= kMaxStages) throw Error("a submission has too many stages", Fault::kDevice);
   vkCmdWriteTimestamp2(command_buffer_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_,
                        static_cast<std::uint32_t>(stages_.size()));
@@ -167,8 +169,9 @@ void Recorder::copy(const RawBuffer& from, const RawBuffer& to, std::uint64_t by
 }
 
 void Recorder::submit(const VkSemaphoreSubmitInfo* wait_for, const VkSemaphoreSubmitInfo* signal) {
-  vkCmdWriteTimestamp2(command_buffer_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_,
-                       static_cast<std::uint32_t>(stages_.size()));
+  if (!stages_.empty())
+    vkCmdWriteTimestamp2(command_buffer_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_,
+                         static_cast<std::uint32_t>(stages_.size()));
   VkMemoryBarrier2 memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
   memory.srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
   memory.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
@@ -196,19 +199,28 @@ void Recorder::submitAndWait() {
   wait();
 }
 
+namespace {
+
+/// The time of the stage of that name, 0 if it is new.
+double& timeOf(const std::string& name, StageTimes& times) {
+  const auto same =
+      std::find_if(times.begin(), times.end(), [&](const auto& stage) { return stage.first == name; });
+  return same == times.end() ? times.emplace_back(name, 0).second : same->second;
+}
+
+}  // namespace
+
 void addStages(const StageTimes& stages, StageTimes& total) {
-  for (const auto& [name, ms] : stages) {
-    const auto same = std::find_if(total.begin(), total.end(),
-                                   [&name = name](const auto& stage) { return stage.first == name; });
-    if (same == total.end())
-      total.emplace_back(name, ms);
-    else
-      same->second += ms;
-  }
+  for (const auto& [name, ms] : stages) timeOf(name, total) += ms;
+}
+
+void renewStages(const StageTimes& stages, StageTimes& latest) {
+  for (const auto& [name, ms] : stages) timeOf(name, latest) = ms;
 }
 
 void Recorder::readTimestamps() {
   stage_ms_.clear();
+  if (stages_.empty()) return;
   const std::size_t count = stages_.size() + 1;
   std::vector<std::uint64_t> ticks(count);
   check(vkGetQueryPoolResults(gpu_.device(), queries_, 0, static_cast<std::uint32_t>(count), count * 8,
