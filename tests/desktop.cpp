@@ -55,7 +55,7 @@ bool Desktop::possible() {
   return isInPath("Xvfb");
 }
 
-Desktop::Desktop() {
+Desktop::Desktop(const Options& options) {
   // The server takes the first free number and says which; its picture is a file (-fbdir). Without -noreset
   // it would begin anew whenever its last client leaves, and drop one that is just coming.
   const std::filesystem::path number = folder_ / "number";
@@ -63,7 +63,8 @@ Desktop::Desktop() {
       std::vector<std::string>{"sh", "-c",
                                "exec Xvfb -displayfd 3 -noreset -nolisten tcp -screen 0 " +
                                    std::to_string(kScreenWidth) + "x" + std::to_string(kScreenHeight) +
-                                   "x24 -fbdir \"$1\" 3> \"$1/number\"",
+                                   "x24 -fbdir \"$1\" " +
+                                   (options.shared_memory ? "" : "-extension MIT-SHM ") + "3> \"$1/number\"",
                                "sh", folder_.path().string()},
       std::map<std::string, std::string>{}, folder_ / "server_output", folder_ / "server_errors");
   if (!waitUntil([&] { return contentOf(number).ends_with("\n") || !server_->running(); }) ||

@@ -23,8 +23,12 @@ class Desktop {
   /// Whether there is an X server that needs no screen.
   static bool possible();
 
+  struct Options {
+    bool shared_memory = true;  ///< the server takes pictures from memory that it shares with programs
+  };
   /// Ready when this returns: the window manager has taken over.
-  Desktop();
+  Desktop() : Desktop(Options{}) {}
+  explicit Desktop(const Options& options);
   ~Desktop();
 
   /// What a program must have in its environment to come up here.

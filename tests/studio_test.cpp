@@ -101,6 +101,19 @@ class Studio : public testing::Test {
     return Document::open(copy);
   }
 
+  /// What the display shows once nothing moves in its middle.
+  Screenshot restingPicture() const {
+    Screenshot shot = desktop->screenshot();
+    const auto rests = [&] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1500));  // finer half a second after a change
+      const Screenshot before = std::exchange(shot, desktop->screenshot());
+      return differingShare(before, shot, kMiddle) == 0;
+    };
+    EXPECT_TRUE(waitUntil(rests));
+    return shot;
+  }
+  static constexpr double kMiddle = 0.7;  // of the display, without panels and the document's name
+
   /// The mouse's hand comes from the clay's side, along the workspace's y, until it is well in the clay, and
   /// stays there: the stroke is under way.
   void pushIn() {
@@ -194,7 +207,7 @@ double asymmetryInX(const ClayState& state) {
 TEST_F(Studio, MousePushesClayUndoRedoRefine) {
   const fs::path file = folder / "a.clay";
   start({"--save", file});
-  const Screenshot hint = desktop->screenshot();
+  const Screenshot hint = restingPicture();
   desktop->key("Escape");
   EXPECT_TRUE(waitUntil([&] { return differingShare(hint, desktop->screenshot(), 0.4) > 0.5; }));
   const ClayState begun = kept(file).state();
@@ -297,6 +310,30 @@ TEST_F(Studio, WindowIsResizedMinimisedClosedAndRemembered) {
   ASSERT_TRUE(push()) << log();  // and no hint is in the way
   close();
   EXPECT_EQ(namesOf(Document::open(file)), (Words{"New tube", ">Smooth"}));
+}
+
+TEST_F(Studio, SharedMemoryAndTheSwapchainShowTheSame) {
+  const auto shownBy = [&](const std::string& screen) {
+    startWithoutHint({"--device", "llvmpipe", "--clay", "vase"});
+    EXPECT_EQ(log()["screen"], screen);
+    const Screenshot first = restingPicture();
+    desktop->key("Tab");  // the panels' figures are never the same
+    desktop->key("7");    // from the top: another picture
+    EXPECT_TRUE(waitUntil([&] { return differingShare(first, desktop->screenshot(), kMiddle) > 0; }));
+    const Screenshot shot = restingPicture();
+    close();
+    return shot;
+  };
+  const Screenshot shared = shownBy("shared memory");
+  desktop.reset();
+  desktop.emplace(Desktop::Options{.shared_memory = false});
+  const Screenshot swapped = shownBy("swapchain");
+  EXPECT_EQ(differingShare(shared, swapped, kMiddle), 0);
+  // and it is a picture: of clay before a backdrop
+  Screenshot even = shared;
+  std::fill(even.rgb.begin(), even.rgb.end(),
+            shared.rgb[even.rgb.size() / 2 + 3 * std::size_t(even.width) / 2]);
+  EXPECT_GT(differingShare(shared, even, 0.5), 0.5);
 }
 
 TEST_F(Studio, FilesThatCannotBeCostNothing) {

@@ -16,6 +16,7 @@ find_library(TINYGLTF_LIBRARY tinygltf REQUIRED)
 
 # The window.
 find_package(glfw3 3.3 REQUIRED)
+find_package(X11 REQUIRED COMPONENTS Xext)
 find_path(IMGUI_INCLUDE_DIR imgui.h PATH_SUFFIXES imgui REQUIRED)
 find_library(IMGUI_LIBRARY imgui REQUIRED)
 find_library(STB_LIBRARY stb REQUIRED)

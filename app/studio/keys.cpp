@@ -80,6 +80,7 @@ bool drawHelp(const std::vector<KeyGroup>& groups) {
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos(ImVec2(size.x / 2, size.y / 2), ImGuiCond_Always, ImVec2(0.5f, 0.5f));
   ImGui::SetNextWindowFocus();
+  ImGui::SetNextWindowBgAlpha(1);  // or the panels' words would shine through
   ImGui::Begin(
       "##help", &open,
       ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings);

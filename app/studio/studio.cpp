@@ -128,8 +128,7 @@ class Studio {
       window_.draw(recorder_, stage_.picture(), panels_.insets());
     });
     session_.pictureSubmitted(snapshot.serial);
-    window_.show();
-    recorder_.wait();
+    window_.show(recorder_);
     renewStages(recorder_.stageMs(), picture_ms_);
     std::optional<double> latency_ms;
     if (snapshot.serial != drawn_serial_ && snapshot.world_from_hand)
@@ -381,6 +380,7 @@ class Studio {
                        {"data_points", document.data_points},
                        {"width", window_.width()},
                        {"height", window_.height()},
+                       {"screen", window_.screenName()},
                        {"note", notes_.empty() ? "" : notes_.back().words},
                        {"recording", session_.recorderView().recording},
                        {"recorded_frames", session_.recorderView().frames},

@@ -9,10 +9,7 @@
 namespace airclay {
 namespace {
 
-/// As bytes, not as light: the engine's pictures and the interface's colours are sRGB already.
-constexpr VkFormat kFormat = VK_FORMAT_B8G8R8A8_UNORM;
-
-void checkSurface(Gpu& gpu, VkSurfaceKHR surface) {
+void checkSurface(Gpu& gpu, VkSurfaceKHR surface, VkFormat format) {
   VkBool32 supported = VK_FALSE;
   check(vkGetPhysicalDeviceSurfaceSupportKHR(gpu.physicalDevice(), gpu.queueFamily(), surface, &supported),
         "ask about the display");
@@ -21,7 +18,7 @@ void checkSurface(Gpu& gpu, VkSurfaceKHR surface) {
   std::vector<VkSurfaceFormatKHR> formats(count);
   if (supported) vkGetPhysicalDeviceSurfaceFormatsKHR(gpu.physicalDevice(), surface, &count, formats.data());
   const bool has_format = std::any_of(formats.begin(), formats.end(),
-                                      [](const VkSurfaceFormatKHR& f) { return f.format == kFormat; });
+                                      [&](const VkSurfaceFormatKHR& f) { return f.format == format; });
   if (!has_format)
     throw Error("the device " + gpu.info().name +
                     " cannot show pictures on this display; --headless, or another --device, would be right",
@@ -30,8 +27,8 @@ void checkSurface(Gpu& gpu, VkSurfaceKHR surface) {
 
 }  // namespace
 
-Swapchain::Swapchain(Gpu& gpu, VkSurfaceKHR surface) : gpu_(gpu), surface_(surface) {
-  checkSurface(gpu, surface);
+Swapchain::Swapchain(Gpu& gpu, VkSurfaceKHR surface) : Screen(gpu), surface_(surface) {
+  checkSurface(gpu, surface, kFormat);
   makeRenderPass();
   ready_ = makeSemaphore();
 }
@@ -41,7 +38,6 @@ Swapchain::~Swapchain() {
   destroyImages();
   vkDestroySwapchainKHR(gpu_.device(), swapchain_, nullptr);
   vkDestroySemaphore(gpu_.device(), ready_, nullptr);
-  vkDestroyRenderPass(gpu_.device(), render_pass_, nullptr);
   vkDestroySurfaceKHR(gpu_.instance(), surface_, nullptr);
 }
 
@@ -50,29 +46,6 @@ VkSemaphore Swapchain::makeSemaphore() {
   VkSemaphore semaphore;
   check(vkCreateSemaphore(gpu_.device(), &info, nullptr, &semaphore), "make a semaphore");
   return semaphore;
-}
-
-void Swapchain::makeRenderPass() {
-  VkAttachmentDescription color{};
-  color.format = kFormat;
-  color.samples = VK_SAMPLE_COUNT_1_BIT;
-  color.loadOp = VK_ATTACHMENT_LOAD_OP_LOAD;
-  color.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
-  color.stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
-  color.stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
-  color.initialLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
-  color.finalLayout = VK_IMAGE_LAYOUT_PRESENT_SRC_KHR;
-  const VkAttachmentReference reference{0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
-  VkSubpassDescription subpass{};
-  subpass.pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS;
-  subpass.colorAttachmentCount = 1;
-  subpass.pColorAttachments = &reference;
-  VkRenderPassCreateInfo info{VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO};
-  info.attachmentCount = 1;
-  info.pAttachments = &color;
-  info.subpassCount = 1;
-  info.pSubpasses = &subpass;
-  check(vkCreateRenderPass(gpu_.device(), &info, nullptr, &render_pass_), "make a render pass");
 }
 
 void Swapchain::destroyImages() {
@@ -121,41 +94,45 @@ void Swapchain::resize(std::uint32_t width, std::uint32_t height) {
     Shown& shown = images_.emplace_back();
     shown.image = image;
     shown.view = makeImageView(gpu_, image, kFormat, VK_IMAGE_ASPECT_COLOR_BIT);
-    VkFramebufferCreateInfo framebuffer{VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO};
-    framebuffer.renderPass = render_pass_;
-    framebuffer.attachmentCount = 1;
-    framebuffer.pAttachments = &shown.view;
-    framebuffer.width = extent_.width;
-    framebuffer.height = extent_.height;
-    framebuffer.layers = 1;
-    check(vkCreateFramebuffer(gpu_.device(), &framebuffer, nullptr, &shown.framebuffer),
-          "make a framebuffer");
+    shown.framebuffer = makeFramebuffer(shown.view);
     shown.drawn = makeSemaphore();
   }
 }
 
-std::optional<Swapchain::Target> Swapchain::acquire() {
+std::optional<Screen::Target> Swapchain::acquire() {
   if (images_.empty()) return std::nullopt;
   Target target;
   const VkResult result =
       vkAcquireNextImageKHR(gpu_.device(), swapchain_, UINT64_MAX, ready_, VK_NULL_HANDLE, &target.index);
   if (result == VK_ERROR_OUT_OF_DATE_KHR) return std::nullopt;
   if (result != VK_SUBOPTIMAL_KHR) check(result, "draw in the window");
-  const Shown& shown = images_[target.index];
-  target.image = shown.image;
-  target.framebuffer = shown.framebuffer;
-  target.ready = ready_;
-  target.drawn = shown.drawn;
+  target.image = images_[target.index].image;
+  target.framebuffer = images_[target.index].framebuffer;
   return target;
 }
 
-bool Swapchain::show(const Target& target) {
+void Swapchain::submit(Recorder& recorder, const Target& target) {
+  VkSemaphoreSubmitInfo ready{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO};
+  ready.semaphore = ready_;
+  ready.stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+  VkSemaphoreSubmitInfo drawn = ready;
+  drawn.semaphore = images_[target.index].drawn;
+  recorder.submit(&ready, &drawn);
+}
+
+bool Swapchain::show(Recorder& recorder, const Target& target) {
+  const bool fits = present(target.index);
+  recorder.wait();
+  return fits;
+}
+
+bool Swapchain::present(std::uint32_t index) {
   VkPresentInfoKHR info{VK_STRUCTURE_TYPE_PRESENT_INFO_KHR};
   info.waitSemaphoreCount = 1;
-  info.pWaitSemaphores = &target.drawn;
+  info.pWaitSemaphores = &images_[index].drawn;
   info.swapchainCount = 1;
   info.pSwapchains = &swapchain_;
-  info.pImageIndices = &target.index;
+  info.pImageIndices = &index;
   const std::lock_guard lock(gpu_.queueMutex());
   const VkResult result = vkQueuePresentKHR(gpu_.queue(), &info);
   if (result == VK_ERROR_OUT_OF_DATE_KHR || result == VK_SUBOPTIMAL_KHR) return false;

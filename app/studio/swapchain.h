@@ -2,60 +2,41 @@
 // The images that a window shows in turn.
 #pragma once
 
-#include <optional>
 #include <vector>
 
-#include "engine/gpu/gpu.h"
+#include "app/studio/screen.h"
 
 namespace airclay {
 
-/// Owns the surface's images, their framebuffers for Dear ImGui, and what tells when each may be drawn and
-/// shown.
-class Swapchain {
+/// Owns the surface's images, their framebuffers, and what tells when each may be drawn and shown.
+class Swapchain : public Screen {
  public:
   /// Takes the surface over. \throw Error (Fault::kDevice) when the device cannot show pictures on it.
   Swapchain(Gpu& gpu, VkSurfaceKHR surface);
-  ~Swapchain();
-  Swapchain(const Swapchain&) = delete;
-  Swapchain& operator=(const Swapchain&) = delete;
+  ~Swapchain() override;
 
-  VkRenderPass renderPass() const { return render_pass_; }
-  std::uint32_t imageCount() const { return static_cast<std::uint32_t>(images_.size()); }
-  VkExtent2D extent() const { return extent_; }
-
-  /// The window has another size, in pixels. Waits for what is being drawn.
-  void resize(std::uint32_t width, std::uint32_t height);
-
-  struct Target {
-    std::uint32_t index = 0;
-    VkImage image = VK_NULL_HANDLE;
-    VkFramebuffer framebuffer = VK_NULL_HANDLE;
-    VkSemaphore ready = VK_NULL_HANDLE;  ///< signalled when the image may be drawn into
-    VkSemaphore drawn = VK_NULL_HANDLE;  ///< to be signalled when it has been
-  };
-  /// The next image; none when the window has changed: resize(), and ask again. \pre the last picture's
-  /// submission is done
-  std::optional<Target> acquire();
-  /// False when the window has changed.
-  bool show(const Target& target);
+  const char* name() const override { return "swapchain"; }
+  VkImageLayout shownLayout() const override { return VK_IMAGE_LAYOUT_PRESENT_SRC_KHR; }
+  std::uint32_t imageCount() const override { return static_cast<std::uint32_t>(images_.size()); }
+  void resize(std::uint32_t width, std::uint32_t height) override;
+  std::optional<Target> acquire() override;
+  void submit(Recorder& recorder, const Target& target) override;
+  bool show(Recorder& recorder, const Target& target) override;
 
  private:
   struct Shown {
     VkImage image = VK_NULL_HANDLE;
     VkImageView view = VK_NULL_HANDLE;
     VkFramebuffer framebuffer = VK_NULL_HANDLE;
-    VkSemaphore drawn = VK_NULL_HANDLE;
+    VkSemaphore drawn = VK_NULL_HANDLE;  ///< signalled when it has been
   };
-  void makeRenderPass();
   void destroyImages();
+  bool present(std::uint32_t index);
   VkSemaphore makeSemaphore();
 
-  Gpu& gpu_;
   VkSurfaceKHR surface_;
   VkSwapchainKHR swapchain_ = VK_NULL_HANDLE;
-  VkRenderPass render_pass_ = VK_NULL_HANDLE;
-  VkSemaphore ready_ = VK_NULL_HANDLE;
-  VkExtent2D extent_{};
+  VkSemaphore ready_ = VK_NULL_HANDLE;  ///< signalled when the acquired image may be drawn into
   std::vector<Shown> images_;
 };
 

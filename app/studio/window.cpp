@@ -12,6 +12,7 @@
 #include <set>
 
 #include "app/studio/look.h"
+#include "app/studio/shared_screen.h"
 #include "app/studio/swapchain.h"
 #include "engine/error.h"
 #include "engine/gpu/one_time.h"
@@ -168,11 +169,11 @@ void copyParts(VkCommandBuffer commands, VkImage from, VkImage to, std::span<con
 struct Window::Parts {
   explicit Parts(Gpu& device) : gpu(device) {}
   ~Parts() {
-    if (swapchain) gpu.waitIdle();
+    if (screen) gpu.waitIdle();
     if (toolkit_on_device) ImGui_ImplVulkan_Shutdown();
     if (toolkit_on_window) ImGui_ImplGlfw_Shutdown();
     if (context) ImGui::DestroyContext(context);
-    swapchain.reset();
+    screen.reset();
     if (descriptors) vkDestroyDescriptorPool(gpu.device(), descriptors, nullptr);
     if (window) glfwDestroyWindow(window);
   }
@@ -180,11 +181,11 @@ struct Window::Parts {
   Gpu& gpu;
   Glfw glfw;
   GLFWwindow* window = nullptr;
-  std::unique_ptr<Swapchain> swapchain;
+  std::unique_ptr<Screen> screen;
   VkDescriptorPool descriptors = VK_NULL_HANDLE;
   ImGuiContext* context = nullptr;
   bool toolkit_on_window = false, toolkit_on_device = false;
-  std::optional<Swapchain::Target> target;
+  std::optional<Screen::Target> target;
   bool changed = true;  ///< the window's size
   std::vector<std::filesystem::path> dropped;
   KeyEvents keys;
@@ -221,9 +222,12 @@ struct Window::Parts {
     float horizontal = 1, vertical = 1;
     glfwGetWindowContentScale(window, &horizontal, &vertical);
     scale = std::clamp(double(horizontal), 1.0, 4.0);
-    VkSurfaceKHR surface;
-    check(glfwCreateWindowSurface(gpu.instance(), window, nullptr, &surface), "open the window for Vulkan");
-    swapchain = std::make_unique<Swapchain>(gpu, surface);
+    if (gpu.isCpu()) screen = SharedScreen::open(gpu, window);
+    if (!screen) {
+      VkSurfaceKHR surface;
+      check(glfwCreateWindowSurface(gpu.instance(), window, nullptr, &surface), "open the window for Vulkan");
+      screen = std::make_unique<Swapchain>(gpu, surface);
+    }
     fit();
     startToolkit();
   }
@@ -231,7 +235,7 @@ struct Window::Parts {
   void fit() {
     const VkExtent2D size = pixels();
     if (size.width == 0 || size.height == 0) return;
-    swapchain->resize(size.width, size.height);
+    screen->resize(size.width, size.height);
     kept = {};
     changed = false;
   }
@@ -273,10 +277,10 @@ struct Window::Parts {
     info.Queue = gpu.queue();
     info.DescriptorPool = descriptors;
     info.MinImageCount = 2;
-    info.ImageCount = std::max(2u, swapchain->imageCount());
+    info.ImageCount = std::max(2u, screen->imageCount());
     info.MSAASamples = VK_SAMPLE_COUNT_1_BIT;
     info.CheckVkResultFn = [](VkResult result) { check(result, "draw the interface"); };
-    toolkit_on_device = ImGui_ImplVulkan_Init(&info, swapchain->renderPass());
+    toolkit_on_device = ImGui_ImplVulkan_Init(&info, screen->renderPass());
     submitOnce(gpu, [](VkCommandBuffer commands) { ImGui_ImplVulkan_CreateFontsTexture(commands); });
     ImGui_ImplVulkan_DestroyFontUploadObjects();
   }
@@ -315,6 +319,9 @@ std::vector<std::filesystem::path> Window::takeDropped() {
   return std::exchange(parts_->dropped, {});
 }
 
+const char* Window::screenName() const {
+  return parts_->screen->name();
+}
 int Window::width() const {
   return static_cast<int>(parts_->pixels().width);
 }
@@ -331,10 +338,10 @@ Window::Begun Window::begin(bool interface_may_stay) {
   const VkExtent2D size = parts_->pixels();
   if (size.width == 0 || size.height == 0) return Begun::kNothing;
   if (parts_->changed) parts_->fit();
-  parts_->target = parts_->swapchain->acquire();
+  parts_->target = parts_->screen->acquire();
   if (!parts_->target) {
     parts_->fit();
-    parts_->target = parts_->swapchain->acquire();
+    parts_->target = parts_->screen->acquire();
     if (!parts_->target) return Begun::kNothing;  // it changes again: the next picture
   }
   parts_->draws_interface = !interface_may_stay || !parts_->interfaceStays();
@@ -350,7 +357,7 @@ Window::Begun Window::begin(bool interface_may_stay) {
 
 /// Over what is in the window's image already. \post it can be shown
 void Window::Parts::drawInterface(VkCommandBuffer commands, std::span<const Inset> insets) {
-  const VkExtent2D extent = swapchain->extent();
+  const VkExtent2D extent = screen->extent();
   if (!insets.empty())
     transition(commands, target->image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
                VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
@@ -358,7 +365,7 @@ void Window::Parts::drawInterface(VkCommandBuffer commands, std::span<const Inse
   transition(commands, target->image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
              VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
   VkRenderPassBeginInfo pass{VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO};
-  pass.renderPass = swapchain->renderPass();
+  pass.renderPass = screen->renderPass();
   pass.framebuffer = target->framebuffer;
   pass.renderArea.extent = extent;
   vkCmdBeginRenderPass(commands, &pass, VK_SUBPASS_CONTENTS_INLINE);
@@ -368,13 +375,13 @@ void Window::Parts::drawInterface(VkCommandBuffer commands, std::span<const Inse
 
 /// Keeps the interface that was just drawn.
 void Window::Parts::keepInterface(VkCommandBuffer commands, std::span<const Inset> insets) {
-  const VkExtent2D extent = swapchain->extent();
+  const VkExtent2D extent = screen->extent();
   if (!kept.handle()) kept = Image(gpu, ImageKind::kScreen, extent.width, extent.height);
   kept_parts = coveredBy(*ImGui::GetDrawData(), insets, extent);
   kept.transition(commands, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, false);
-  transition(commands, target->image, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+  transition(commands, target->image, screen->shownLayout(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
   copyParts(commands, target->image, kept.handle(), kept_parts);
-  transition(commands, target->image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR);
+  transition(commands, target->image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, screen->shownLayout());
 }
 
 /// The kept one, over what is in the window's image already. \post it can be shown
@@ -383,17 +390,17 @@ void Window::Parts::layInterface(VkCommandBuffer commands) {
   transition(commands, target->image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
              VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
   copyParts(commands, kept.handle(), target->image, kept_parts);
-  transition(commands, target->image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR);
+  transition(commands, target->image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, screen->shownLayout());
 }
 
 void Window::draw(Recorder& recorder, Image& picture, std::span<const Inset> insets) {
-  const Swapchain::Target target = *parts_->target;
+  const Screen::Target target = *parts_->target;
   std::vector<Access> accesses;
   for (const Inset& inset : insets) accesses.push_back({inset.pixels->raw().address(), true, false});
   recorder.stage("picture: window");
   VkCommandBuffer commands = recorder.commandsFor("window", accesses);
   transition(commands, target.image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-  fillWith(commands, picture, target.image, parts_->swapchain->extent());
+  fillWith(commands, picture, target.image, parts_->screen->extent());
   if (parts_->draws_interface) {
     ImGui::Render();
     parts_->drawInterface(commands, insets);
@@ -402,16 +409,11 @@ void Window::draw(Recorder& recorder, Image& picture, std::span<const Inset> ins
     parts_->layInterface(commands);
   }
 
-  VkSemaphoreSubmitInfo ready{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO};
-  ready.semaphore = target.ready;
-  ready.stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
-  VkSemaphoreSubmitInfo drawn = ready;
-  drawn.semaphore = target.drawn;
-  recorder.submit(&ready, &drawn);
+  parts_->screen->submit(recorder, target);
 }
 
-void Window::show() {
-  if (!parts_->swapchain->show(*parts_->target)) parts_->changed = true;
+void Window::show(Recorder& recorder) {
+  if (!parts_->screen->show(recorder, *parts_->target)) parts_->changed = true;
 }
 
 }  // namespace airclay

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // A window on the display (GLFW) that shows the engine's pictures, with Dear ImGui over them.
 //
-// The picture is drawn offscreen by engine/renderer.h and copied into the window's image; Dear ImGui 1.86
-// draws over it in the one VkRenderPass that there is. On a software device that costs as much as tracking a
-// quarter of a frame, so between pictures that follow each other quickly the interface is kept, unless it is
-// in use.
+// The picture is drawn offscreen by engine/renderer.h and copied into the window's image (screen.h); Dear
+// ImGui 1.86 draws over it in the one VkRenderPass that there is. On a software device that costs as much as
+// tracking a quarter of a frame, so between pictures that follow each other quickly the interface is kept,
+// unless it is in use.
 #pragma once
 
 #include <filesystem>
@@ -51,8 +51,9 @@ class Window {
   /// Files dropped on the window since the last call.
   std::vector<std::filesystem::path> takeDropped();
 
-  int width() const;   ///< pixels; 0 while minimised
-  int height() const;  ///< pixels
+  const char* screenName() const;  ///< how pictures come to the display
+  int width() const;               ///< pixels; 0 while minimised
+  int height() const;              ///< pixels
   /// In screen units, to be remembered.
   std::pair<int, int> sizeOnScreen() const;
 
@@ -67,8 +68,8 @@ class Window {
   /// Submits what `recorder` has, and returns without waiting for it. \pre begin() gave something; the
   /// recorder's commands draw `picture`
   void draw(Recorder& recorder, Image& picture, std::span<const Inset> insets);
-  /// Shows what was drawn; a software device is waited for. \pre draw()
-  void show();
+  /// Shows what was drawn, and waits for the device. \pre draw() with this recorder
+  void show(Recorder& recorder);
 
  private:
   struct Parts;
