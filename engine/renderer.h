@@ -160,6 +160,8 @@ struct SceneStrokes {
 
 /// The cube's twelve edges.
 SceneStrokes cubeEdges(const Workspace& workspace);
+/// Where a plane of symmetry, through the origin across `axis`, meets a ball about it.
+SceneStrokes mirrorRing(int axis, double radius_m);
 /// The rig's cameras as pyramids with the given length.
 SceneStrokes cameraFrusta(const Rig& rig, double length_m);
 /// The ends of a polygon mesh's edges, two an edge, each edge once.

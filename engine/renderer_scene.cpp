@@ -199,6 +199,22 @@ SceneStrokes cubeEdges(const Workspace& workspace) {
   return strokes;
 }
 
+SceneStrokes mirrorRing(int axis, double radius_m) {
+  constexpr int kChords = 96;
+  SceneStrokes ring;
+  for (int i = 0; i < 2 * kChords; ++i) {
+    const double angle = 2 * M_PI * ((i + 1) / 2) / kChords;  // each chord's two ends
+    Vec3 point = Vec3::Zero();
+    point[(axis + 1) % 3] = radius_m * std::cos(angle);
+    point[(axis + 2) % 3] = radius_m * std::sin(angle);
+    ring.own_points.push_back(point);
+  }
+  ring.color = vec3(0.42f, 0.13f, 0.05f);
+  ring.width_px = 1.6;
+  ring.hidden = 0.25;
+  return ring;
+}
+
 SceneStrokes cameraFrusta(const Rig& rig, double length_m) {
   SceneStrokes strokes;
   strokes.width_px = 1.6;

@@ -19,6 +19,7 @@ struct StudioSettings {
   int clutch_key = 32;           ///< GLFW's number: the space bar; a foot pedal types a key
   std::filesystem::path folder;  ///< of the last document or export
   bool first_run = true;
+  bool operator==(const StudioSettings&) const = default;
 };
 
 /// XDG_CONFIG_HOME/airclay and XDG_STATE_HOME/airclay, with the specification's defaults under HOME.

@@ -10,6 +10,8 @@
 namespace airclay {
 namespace {
 
+constexpr double kRingAway = 1.06;  // of the farthest of the clay: rings of symmetry stand clear of it
+
 /// 15 cm: farther away nobody asks how far.
 constexpr double kFarthestGap = 0.15;
 /// What a software device can draw at the cameras' pace: a triangle costs it as much as a hundred pixels.
@@ -25,7 +27,8 @@ std::vector<double> keyOf(const Session::ClayOnDevice& clay, const Snapshot& sna
       double(wanted.width),           double(wanted.height),         double(wanted.moving),
       double(clay.form_serial),       double(snapshot.clay_serial),  double(snapshot.trust),
       double(settings.show_voxels),   double(settings.show_cage),    double(settings.show_points),
-      double(settings.show_skeleton), double(settings.show_cameras), wanted.view.vertical_fov_rad};
+      double(settings.show_skeleton), double(settings.show_cameras), wanted.view.vertical_fov_rad,
+      double(settings.symmetry.x),    double(settings.symmetry.y),   double(settings.symmetry.z)};
   if (settings.show_voxels) key.push_back(double(snapshot.serial));
   const auto add = [&](const Pose& pose) {
     const Eigen::Matrix4d matrix = pose.matrix();
@@ -59,6 +62,9 @@ void Stage::measure(const Snapshot& snapshot, const std::optional<Pose>& workspa
   clay_center_ = box.center();
   clay_radius_m_ = 0.5 * box.diagonal().norm();
   ground_z_m_ = std::min(-0.3 * session_.rig().workspace.edge_m, box.min().z() - 0.01);
+  clay_reach_m_ = 0;
+  for (const vec3& point : snapshot.clay_points)
+    clay_reach_m_ = std::max(clay_reach_m_, double(point.norm()));
   gap_m_.reset();
   if (!workspace_from_hand) return;
   const Pose hand_from_workspace = workspace_from_hand->inverse();
@@ -138,6 +144,13 @@ Scene Stage::sceneOf(const Session::ClayOnDevice& clay, const Snapshot& snapshot
     scene.strokes.push_back(cubeEdges(workspace));
     scene.strokes.push_back(cameraFrusta(session_.rig(), workspace.edge_m / 6));
   }
+  const bool mirrored[3] = {settings.symmetry.x, settings.symmetry.y, settings.symmetry.z};
+  for (int axis = 0; axis < 3; ++axis)
+    if (mirrored[axis]) {
+      SceneStrokes ring = mirrorRing(axis, kRingAway * clay_reach_m_);
+      ring.workspace_from_strokes = snapshot.workspace_from_clay;
+      scene.strokes.push_back(std::move(ring));
+    }
   if (settings.show_cage) {
     if (cage_form_serial_ != clay.form_serial) {
       cage_edges_ = Buffer<std::uint32_t>(gpu_, edgeEnds(clay.form.cage.faces));

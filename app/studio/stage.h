@@ -70,6 +70,7 @@ class Stage {
   std::optional<double> gap_m_;
   Vec3 clay_center_ = Vec3::Zero();
   double clay_radius_m_ = 0.1;
+  double clay_reach_m_ = 0.1;  ///< of its farthest point from the workspace's centre
 };
 
 }  // namespace airclay

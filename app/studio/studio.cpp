@@ -20,6 +20,7 @@ namespace airclay {
 namespace {
 
 constexpr double kNoteSeconds = 4, kLogSeconds = 1;
+constexpr double kSettingsSeconds = 2;  // a program that is killed loses no more of them
 constexpr double kTurnRadS = 1.2;       // of the clay and the mouse's hand, while a key is held
 constexpr double kMovingSeconds = 0.5;  // after the last frame, key or mouse
 constexpr double kQuietPictureS = 0.2;  // between pictures when nothing happens
@@ -47,6 +48,7 @@ class Studio {
   Studio(Gpu& gpu, const Session::Options& session, Document document, const StudioOptions& options)
       : options_(options),
         settings_(loadSettings()),
+        remembered_(settings_),
         window_(gpu, {options.title, settings_.window_width, settings_.window_height}),
         session_(gpu, waking(session), std::move(document)),
         stage_(gpu, session_, options.forearm),
@@ -80,6 +82,7 @@ class Studio {
       for (const std::filesystem::path& file : window_.takeDropped()) openDropped(file);
       drawPicture(snapshot);
       writeLog(snapshot);
+      if (secondsBetween(settings_at_, Clock::now()) > kSettingsSeconds) rememberSettings();
       if (snapshot.ended && options_.close_at_end) window_.close();
     }
     rememberSettings();
@@ -356,7 +359,10 @@ class Studio {
 
   void rememberSettings() {
     std::tie(settings_.window_width, settings_.window_height) = window_.sizeOnScreen();
+    settings_at_ = Clock::now();
+    if (settings_ == remembered_) return;
     saveSettings(settings_);
+    remembered_ = settings_;
   }
 
   void writeLog(const Snapshot& snapshot) {
@@ -397,7 +403,7 @@ class Studio {
   }
 
   StudioOptions options_;
-  StudioSettings settings_;
+  StudioSettings settings_, remembered_;
   Window window_;
   Session session_;
   Stage stage_;
@@ -414,7 +420,8 @@ class Studio {
   std::ofstream log_;
   bool show_help_ = false, turning_clay_ = false, paused_ = false;
   std::uint64_t drawn_serial_ = 0;
-  Clock::time_point last_change_ = Clock::now(), last_picture_ = Clock::now(), last_frame_{}, last_log_{};
+  Clock::time_point last_change_ = Clock::now(), last_picture_ = Clock::now(), last_frame_{}, last_log_{},
+                    settings_at_{};
 };
 
 void runStudio(Gpu& gpu, const Session::Options& session, Document document, const StudioOptions& options) {
