@@ -113,6 +113,11 @@ DoneFrame readFrame(Line& line, bool by_mouse) {
   frame.held = line.whole(0, 1, "0 or 1 for the clutch") == 1;
   frame.steady = line.whole(0, 1, "0 or 1 for the filter") == 1;
   if (by_mouse) frame.given_hand = readHand(line);
+  const std::string more = by_mouse ? "" : line.word();
+  if (more == "without")
+    frame.absent = static_cast<std::uint32_t>(line.number("the missing cameras' bits"));
+  else if (!more.empty())
+    line.fail("`without` and bits, or nothing more,");
   line.end();
   return frame;
 }
@@ -241,6 +246,7 @@ std::string lineOf(const DoneFrame& frame, bool by_mouse) {
   std::string line = "frame " + exactNumber(frame.time_s) + " " + exactNumber(frame.step_s) + " " +
                      kTools[static_cast<int>(frame.tool)] + " " + wordOf(frame.symmetry) +
                      (frame.held ? " 1" : " 0") + (frame.steady ? " 1" : " 0");
+  if (frame.absent != 0) line += " without " + std::to_string(frame.absent);
   if (by_mouse && !frame.given_hand) line += " nobody";
   if (by_mouse && frame.given_hand)
     for (int i = 0; i < 12; ++i) line += " " + exactNumber(frame.given_hand->matrix()(i / 4, i % 4));

@@ -13,8 +13,9 @@
 //     frame TIME STEP TOOL AXES HELD STEADY
 //                                       a frame: seconds of the recording, seconds since the last frame, push
 //                                       pull or smooth, the symmetry (xyz or -), 1 while the clutch lets the
-//                                       hand shape the clay, 1 with the One Euro filter; then, of the mouse's
-//                                       hand, 12 numbers: world_from_hand, three rows of four; or `nobody`
+//                                       hand shape the clay, 1 with the One Euro filter; then `without BITS`
+//                                       where cameras were missing, bit k the k-th; or, of the mouse's hand,
+//                                       12 numbers: world_from_hand, three rows of four; or `nobody`
 //     stroke                            the stroke under way ended here
 //     undo | redo | refine | again      again: the source began anew, the hand is looked for
 //     form LEVEL RULE SOLVE
@@ -56,6 +57,7 @@ struct DoneFrame {
   Tool tool = Tool::kPush;
   Symmetry symmetry;
   bool held = true, steady = true;
+  std::uint32_t absent = 0;        ///< bits of cameras that had no picture
   std::optional<Pose> given_hand;  ///< the mouse's, where there is one
 };
 

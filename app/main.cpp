@@ -62,6 +62,11 @@ int run(int argc, char** argv) {
   addSet(program, status);
   addTurn(program, status);
   addFigures(program, status);
+  addBoard(program, status);
+  addCalibrate(program, status);
+  addCameras(program, status);
+  addRecord(program, status);
+  addRig(program, status);
   addCompare(program, status);
   addBench(program, status);
   addDevices(program, status);

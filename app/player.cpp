@@ -9,14 +9,11 @@
 #include "engine/error.h"
 
 namespace airclay {
-namespace {
 
 RigUnits unitsOf(const std::string& word) {
   if (word == "m") return RigUnits::kMetres;
   return word == "mm" ? RigUnits::kMillimetres : RigUnits::kAsWritten;
 }
-
-}  // namespace
 
 void addTakeOptions(CLI::App& command, TakeWords& words) {
   command

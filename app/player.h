@@ -14,6 +14,9 @@ class App;
 
 namespace airclay {
 
+/// What --units says: m, mm, or nothing.
+RigUnits unitsOf(const std::string& word);
+
 /// What the commands that read a take ask of it.
 struct TakeWords {
   std::string folder, units;

@@ -5,6 +5,7 @@
 #include <ctime>
 #include <memory>
 
+#include "app/camera_words.h"
 #include "app/clay_words.h"
 #include "app/outputs.h"
 #include "app/player.h"
@@ -12,6 +13,7 @@
 #include "app/studio/settings.h"
 #include "app/studio/studio.h"
 #include "app/studio/window.h"
+#include "capture/live_recording.h"
 #include "capture/synthetic.h"
 #include "engine/error.h"
 #include "engine/mesh_file.h"
@@ -27,7 +29,7 @@ struct SculptOptions : CommonOptions {
   std::optional<Vec3> place;  ///< world, metres
   double size_m = 0;          ///< 0: as it comes
   std::string rig, save, log, tool = "push", symmetry;
-  std::vector<std::string> cameras;
+  CameraWords cameras;
   std::string record;
   bool headless = false, unsteady = false, afresh = false;
   std::vector<std::string> given;  ///< words on the command line that a replay has no use for
@@ -72,13 +74,6 @@ PolygonMesh placedCage(const SculptOptions& options, const Workspace& workspace)
   if (!inside)
     warn("the clay reaches outside the workspace, where no hand is seen; --place and --size put it inside");
   return cage;
-}
-
-void refuseWhatComesLater(const SculptOptions& options) {
-  if (!options.rig.empty() || !options.cameras.empty())
-    throw Error(
-        "live cameras (--rig, --camera) do not exist yet; a recording would be right: airclay sculpt TAKE",
-        Fault::kUsage);
 }
 
 SculptControls controlsFrom(const SculptOptions& options) {
@@ -200,10 +195,9 @@ void sculptWithout(Gpu& gpu, Job& job, const SculptOptions& options, Document do
   sculptHeadless(gpu, job.session, job.sculpting, controlsFrom(options), std::move(document), options);
 }
 
-void sculptTake(const SculptOptions& options) {
-  Take take = options.take.open();
-  controlsFrom(options);  // refused before anything is opened
-  Job job = jobFor(options, &take, take.rig());
+void sculptRecording(const SculptOptions& options, Recording& recording) {
+  const Workspace& workspace = recording.rig().workspace;
+  Job job = jobFor(options, &recording, recording.rig());
   CommandGpu gpu(options);
   if (wantsWindow(options)) {
     sculptInWindow(gpu, job.session, options, {.forearm = job.sculpting.forearm, .log = options.log});
@@ -211,9 +205,32 @@ void sculptTake(const SculptOptions& options) {
   }
   const PassingDocument passing;
   sculptWithout(gpu, job, options,
-                namesDocument(options)
-                    ? documentFrom(options, take.rig().workspace)
-                    : Document::create(passing.file(), clayAtStart(options, take.rig().workspace)));
+                namesDocument(options) ? documentFrom(options, workspace)
+                                       : Document::create(passing.file(), clayAtStart(options, workspace)));
+}
+
+void sculptTake(const SculptOptions& options) {
+  Take take = options.take.open();
+  controlsFrom(options);  // refused before anything is opened
+  sculptRecording(options, take);
+}
+
+/// With cameras that run.
+void sculptLive(const SculptOptions& options) {
+  if (!options.take.folder.empty())
+    throw Error("a recording and live cameras cannot be had at once; one of TAKE and --rig would be right",
+                Fault::kUsage);
+  if (options.rig.empty())
+    throw Error("live cameras want their calibration: --rig RIG.toml would be right", Fault::kUsage);
+  controlsFrom(options);  // refused before anything is opened
+  const Rig rig = readRig(options.rig, unitsOf(options.take.units));
+  CameraWords words = options.cameras;
+  if (words.mode.empty())  // devices are asked for the rig's pictures
+    words.mode = std::to_string(rig.cameras[0].width) + "x" + std::to_string(rig.cameras[0].height);
+  LiveRecording recording(rig, words.live(inOrderOf(rig, words.sources())),
+                          words.liveOptions(LiveOptions::Sets::kNewest), options.take.background_frames);
+  say(options, "keep hand and arm away until the empty workspace is learned");
+  sculptRecording(options, recording);
 }
 
 /// Without cameras: mouse and keys move a hand.
@@ -279,7 +296,7 @@ void replay(SculptOptions options) {
 }
 
 void runSculpt(const SculptOptions& options) {
-  refuseWhatComesLater(options);
+  if (!options.rig.empty() || options.cameras.given()) return sculptLive(options);
   checkFit(options.fit);
   checkVoxels(options.voxels);
   if (options.take.folder.empty())
@@ -377,12 +394,13 @@ void addSculpt(CLI::App& program, int&) {
   addLog(*command, *options);
   addOut(*command, *options);
   command->add_option("--video", options->video, "a video of it, too")->type_name("FILE.mp4");
-  command->add_option("--rig", options->rig)->group("");
-  command->add_option("--camera", options->cameras)->group("");
+  command->add_option("--rig", options->rig, "live: the cameras' calibration")->type_name("RIG.toml");
+  addCameraOptions(*command, options->cameras);
   addCommonOptions(*command, *options, Uses::kDeviceAndVoxels, false);
   command->footer(
       "Examples:\n  airclay sculpt\n  airclay sculpt TAKE --clay vase --place 0,0,-0.05 --save vase.clay\n"
       "  airclay sculpt TAKE --clay cage.obj --size 0.25 --solve touched --out out/mine\n"
+      "  airclay sculpt --rig rig.toml --camera left=0 --camera right=2\n"
       "  airclay sculpt TAKE --record mine; airclay sculpt mine --headless --out out/again");
   command->callback([options, command] {
     for (const char* word : {"--clay", "--place", "--size", "--levels", "--rule", "--solve", "--hand",

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "capture/poses_file.h"
+#include "engine/clock.h"
 #include "engine/rig.h"
 
 namespace airclay {
@@ -48,6 +49,17 @@ class Recording {
 
   /// True poses, where they are known.
   virtual const std::optional<std::vector<TimedPose>>& truth() const = 0;
+
+  // --- cameras that run (live_recording.h). What follows, and the times, are of the frame read last ---
+
+  /// Frames are what comes now, and none can be read again. readPictures() is also false when none came for a
+  /// while: the end is where frameCount() says it, at first nowhere.
+  virtual bool isLive() const { return false; }
+  virtual std::optional<Clock::time_point> capturedAt() const { return std::nullopt; }
+  /// Bits of the cameras without a picture of that instant.
+  virtual std::uint32_t absentCameras() const { return 0; }
+  /// What is wrong with the cameras now, a few words each: "left: frozen".
+  virtual std::vector<std::string> troubles() const { return {}; }
 };
 
 /// The cameras' skew: the largest difference of a set's times, seconds. None of a set without times.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Reads intri.yml and extri.yml through cv::FileStorage.
+// Reads intri.yml and extri.yml, intrinsics.yml and extrinsics.yml through cv::FileStorage.
 #include "capture/rig_opencv.h"
 
 #include <algorithm>
@@ -55,6 +55,18 @@ class YamlFile {
   cv::FileStorage storage_;
 };
 
+Mat3 matrix3(const YamlFile& file, const std::string& key) {
+  const std::vector<double> values = file.matrix(key, "a 3 x 3 matrix");
+  if (values.size() != 9) throw Error(file.path() + ": " + key + " must be a 3 x 3 matrix");
+  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(values.data());
+}
+
+Vec3 vector3(const YamlFile& file, const std::string& key) {
+  const std::vector<double> values = file.matrix(key, "3 values");
+  if (values.size() != 3) throw Error(file.path() + ": " + key + " must be 3 values");
+  return {values[0], values[1], values[2]};
+}
+
 std::vector<std::string> cameraNames(const YamlFile& intri) {
   const cv::FileNode names = intri["names"];
   if (!names.isSeq() || names.size() == 0 || names.size() > kMaxCameras)
@@ -79,30 +91,121 @@ int side(const YamlFile& intri, const std::string& key) {
   return static_cast<int>(value);
 }
 
-}  // namespace
+/// The workspace, which EasyMocap does not know, where we wrote it beside the poses.
+Workspace readWorkspace(const YamlFile& extri) {
+  Workspace workspace;
+  if (extri.has("workspace_center")) workspace.center = vector3(extri, "workspace_center");
+  if (!extri.has("workspace_edge")) return workspace;
+  const cv::FileNode edge = extri["workspace_edge"];
+  if (!(edge.isInt() || edge.isReal()) || !(edge.real() > 0))
+    throw Error(extri.path() + ": workspace_edge must be a length in metres, above 0");
+  workspace.edge_m = edge.real();
+  return workspace;
+}
 
-Rig readOpenCvRig(const std::filesystem::path& folder, RigUnits units) {
-  quietOpenCv();
+Camera easyMocapCamera(const YamlFile& intri, const YamlFile& extri, const std::string& name, double metres) {
+  CameraEntry camera;
+  camera.name = name;
+  camera.width = side(intri, "W_" + name);
+  camera.height = side(intri, "H_" + name);
+  camera.matrix = matrix3(intri, "K_" + name);
+  const bool has_other_name = !intri.has("dist_" + name) && intri.has("D_" + name);
+  camera.distortions = intri.matrix((has_other_name ? "D_" : "dist_") + name, "4, 5 or 8 values");
+  const std::string rotation_key = (extri.has("Rot_" + name) ? "Rot_" : "R_") + name;
+  camera.rotation = extri.matrix(rotation_key, "3 values (Rodrigues) or a 3 x 3 matrix");
+  camera.translation_m = metres * vector3(extri, "T_" + name);
+  return cameraFromEntry(camera, std::filesystem::path(intri.path()).parent_path().string());
+}
+
+/// One part after the other: what is wrong with one does not hide the others.
+template <class Work>
+void keepFault(RigReading& reading, Work work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    reading.faults.push_back(faultFrom(error, reading.where));
+  }
+}
+
+RigReading readEasyMocap(const std::filesystem::path& folder, RigUnits units) {
   const YamlFile intri(folder / "intri.yml"), extri(folder / "extri.yml");
   const double metres = units == RigUnits::kMillimetres ? 1e-3 : 1;
-  Rig rig;
-  for (const std::string& name : cameraNames(intri)) {
-    CameraEntry camera;
-    camera.name = name;
-    camera.width = side(intri, "W_" + name);
-    camera.height = side(intri, "H_" + name);
-    const std::vector<double> matrix = intri.matrix("K_" + name, "a 3 x 3 matrix");
-    if (matrix.size() != 9) throw Error(intri.path() + ": K_" + name + " must be a 3 x 3 matrix");
-    camera.matrix = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(matrix.data());
-    camera.distortions = intri.matrix("dist_" + name, "4, 5 or 8 values");
-    const std::string rotation_key = (extri.has("Rot_" + name) ? "Rot_" : "R_") + name;
-    camera.rotation = extri.matrix(rotation_key, "3 values (Rodrigues) or a 3 x 3 matrix");
-    const std::vector<double> translation = extri.matrix("T_" + name, "3 values");
-    if (translation.size() != 3) throw Error(extri.path() + ": T_" + name + " must be 3 values");
-    camera.translation_m = metres * Vec3(translation[0], translation[1], translation[2]);
-    rig.cameras.push_back(cameraFromEntry(camera, folder.string()));
+  RigReading reading;
+  reading.where = folder.string();
+  for (const std::string& name : cameraNames(intri))
+    keepFault(reading, [&] { reading.rig.cameras.push_back(easyMocapCamera(intri, extri, name, metres)); });
+  keepFault(reading, [&] { reading.rig.workspace = readWorkspace(extri); });
+  return reading;
+}
+
+/// \param extri the same file, where one holds both
+RigReading readStereo(const YamlFile& intri, const YamlFile& extri, RigUnits units) {
+  const std::filesystem::path file = intri.path(), folder = file.parent_path();
+  RigReading reading;
+  reading.where = &intri == &extri ? file.string() : folder.string();
+  if (units == RigUnits::kAsWritten)
+    reading.faults.push_back(
+        {Severity::kFault, "", "the unit of T is not written; --units m or mm would be right"});
+  const double metres = units == RigUnits::kMillimetres ? 1e-3 : 1;
+  for (const bool is_right : {false, true})
+    keepFault(reading, [&] {
+      const std::string number = is_right ? "2" : "1";
+      CameraEntry camera;
+      camera.name = is_right ? "right" : "left";
+      camera.matrix = matrix3(intri, "M" + number);
+      camera.distortions = intri.matrix("D" + number, "4, 5 or 8 values");
+      camera.rotation = is_right ? extri.matrix("R", "3 values (Rodrigues) or a 3 x 3 matrix")
+                                 : std::vector<double>{0, 0, 0};
+      if (is_right) camera.translation_m = metres * vector3(extri, "T");
+      for (const bool is_height : {false, true})
+        (is_height ? camera.height : camera.width) = side(intri, is_height ? "image_height" : "image_width");
+      reading.rig.cameras.push_back(cameraFromEntry(camera, reading.where));
+    });
+  return reading;
+}
+
+}  // namespace
+
+RigReading readOpenCvRig(const std::filesystem::path& file, RigUnits units) {
+  quietOpenCv();
+  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+  const std::string name = file.filename().string();
+  if (name == "intri.yml" || name == "extri.yml") return readEasyMocap(folder, units);
+  if (name == "intrinsics.yml" && !std::filesystem::exists(folder / "extrinsics.yml"))
+    throw Error(file.string() +
+                ": it says lenses, and no poses; extrinsics.yml with R and T beside it would be right");
+  if (name == "intrinsics.yml" || name == "extrinsics.yml")
+    return readStereo(YamlFile(folder / "intrinsics.yml"), YamlFile(folder / "extrinsics.yml"), units);
+  const YamlFile one(file);
+  if (one.has("M1")) return readStereo(one, one, units);
+  throw Error(one.path() +
+              (one.has("camera_matrix") ? ": it says one camera's lens, and no pose; "
+                                        : ": it has no key M1 of OpenCV's stereo calibration; ") +
+              "a rig of two cameras or more would be right");
+}
+
+std::optional<std::filesystem::path> rigFileIn(const std::filesystem::path& folder) {
+  // Ours first; intrinsics.yml alone is a file of lenses, so the pair's other file is looked for.
+  for (const char* name :
+       {"rig.toml", "camera_array.toml", "calibration.toml", "Calib.toml", "intri.yml", "extrinsics.yml"})
+    if (std::filesystem::exists(folder / name)) return folder / name;
+  return std::nullopt;
+}
+
+RigReading readAnyRig(const std::filesystem::path& rig, RigUnits units) {
+  std::filesystem::path file = rig;
+  if (std::filesystem::is_directory(rig)) {
+    const std::optional<std::filesystem::path> found = rigFileIn(rig);
+    if (!found)
+      throw Error(
+          rig.string() +
+          ": the folder has no rig; rig.toml, camera_array.toml, calibration.toml, Calib.toml, intri.yml "
+          "with extri.yml, or intrinsics.yml with extrinsics.yml would be right");
+    file = *found;
   }
-  return rig;
+  const std::string ending = file.extension().string();
+  const bool is_storage = ending == ".yml" || ending == ".yaml" || ending == ".xml" || ending == ".json";
+  return is_storage ? readOpenCvRig(file, units) : readRigWithFaults(file, units);
 }
 
 }  // namespace airclay

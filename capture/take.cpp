@@ -72,18 +72,13 @@ void binarize(std::span<std::uint8_t> mask, const path& file) {
 }  // namespace
 
 void Take::Parts::openRig() {
-  for (const char* name : {"rig.toml", "camera_array.toml"})
-    if (std::filesystem::exists(folder / name)) {
-      rig_file = folder / name;
-      rig = readRig(rig_file, options.units);
-      return;
-    }
-  rig_file = folder / "intri.yml";
-  if (!std::filesystem::exists(rig_file))
+  const std::optional<path> found = rigFileIn(folder);
+  if (!found)
     throw Error(
         folder.string() +
         ": the take has no rig; rig.toml (or camera_array.toml, or intri.yml with extri.yml) would be right");
-  rig = readOpenCvRig(folder, options.units);
+  rig_file = *found;
+  rig = readAnyRig(rig_file, options.units).rigWithoutFaults();
 }
 
 void Take::Parts::openFrames() {
@@ -126,7 +121,7 @@ void Take::Parts::openBackground() {
   }
 }
 
-/// EasyMocap's files need not say the pictures' sizes: then the first picture does.
+/// A rig's file need not say the pictures' sizes: then the first picture does.
 void Take::Parts::fillSizes() {
   for (size_t i = 0; i < rig.cameras.size(); ++i) {
     Camera& camera = rig.cameras[i];

@@ -6,6 +6,7 @@
 #include <condition_variable>
 #include <deque>
 #include <fstream>
+#include <future>
 #include <mutex>
 #include <opencv2/videoio.hpp>
 #include <optional>
@@ -102,7 +103,7 @@ struct TakeWriter::Parts {
 void TakeWriter::Parts::open() {
   quietOpenCv();
   makeEmptyFolder(folder);
-  writeRig(folder / "rig.toml", rig, WrittenRotations::kMatrices);
+  if (options.writes_rig) writeRig(folder / "rig.toml", rig, WrittenRotations::kMatrices);
   if (options.content == Content::kNothing) return;
   videos.resize(rig.cameras.size());
   for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
@@ -149,7 +150,11 @@ void TakeWriter::Parts::run() {
 
 void TakeWriter::Parts::writeSet(const TakenSet& set, int frame) {
   checkRoom(frame);
-  for (std::size_t c = 0; c < set.bytes.size(); ++c) writePicture(c, set.bytes[c], frame);
+  // All cameras at once: one core codes four of 640 x 480 at 30 Hz with little to spare (3 ms a picture).
+  std::vector<std::future<void>> writing;
+  for (std::size_t c = 0; c < set.bytes.size(); ++c)
+    writing.push_back(std::async(std::launch::async, [&, c] { writePicture(c, set.bytes[c], frame); }));
+  for (std::future<void>& one : writing) one.get();
   // After the pictures: a row tells that they are there.
   if (!set.camera_times_s.empty()) writeTimes(set.camera_times_s);
 }

@@ -29,6 +29,9 @@ class TakeWriter {
   struct Options {
     double rate_hz = 30;
     Content content = Content::kPictures;
+    /// False: a recording from which the rig will be calibrated. Of the rig only names and sizes count, and
+    /// there is no rig.toml.
+    bool writes_rig = true;
   };
 
   /// \throw Error when `folder` is there and not empty, or cannot be made or written.

@@ -70,7 +70,8 @@ Carver::Carver(Gpu& gpu, const GpuRig& rig, int voxels)
         Buffer<MixedBlock>(gpu, cube(ceilDivide(static_cast<std::uint32_t>(voxels), kBlockEdges[level])));
 }
 
-void Carver::recordBlocks(Recorder& recorder, const Kernel<CarveBlockArgs>& kernel, int level) {
+void Carver::recordBlocks(Recorder& recorder, const Kernel<CarveBlockArgs>& kernel, int level,
+                          std::uint32_t camera_bits) {
   const auto at = static_cast<std::size_t>(level);
   CarveBlockArgs args{};
   args.cameras = rig_.cameras();
@@ -84,7 +85,7 @@ void Carver::recordBlocks(Recorder& recorder, const Kernel<CarveBlockArgs>& kern
   args.brick_states = brick_states_;
   args.words = words_;
   args.sums.address = sums_.raw().address();
-  args.camera_count = rig_.cameraCount();
+  args.camera_bits = camera_bits;
   args.voxels = static_cast<std::uint32_t>(voxels_);
   args.voxel_m = static_cast<float>(voxelMetres());
   args.children_edge =
@@ -99,7 +100,7 @@ void Carver::recordBlocks(Recorder& recorder, const Kernel<CarveBlockArgs>& kern
     recorder.dispatchIndirect(kernel, args, mixed_counts_.raw(), (at - 1) * sizeof(MixedCount));
 }
 
-void Carver::record(Recorder& recorder, const Buffer<std::uint32_t>& masks) {
+void Carver::record(Recorder& recorder, const Buffer<std::uint32_t>& masks, std::uint32_t absent) {
   CarveTileArgs tiles{};
   tiles.cameras = rig_.cameras();
   tiles.masks.address = masks.raw().address();  // read as pairs
@@ -108,9 +109,10 @@ void Carver::record(Recorder& recorder, const Buffer<std::uint32_t>& masks) {
   tiles.sums.address = sums_.raw().address();
   recorder.dispatch(tile_kernel_, tiles, groupsFor(rig_.maxBands(), workgroup_), rig_.cameraCount());
 
-  recordBlocks(recorder, top_blocks_, 0);
-  recordBlocks(recorder, brick_blocks_, 1);
-  recordBlocks(recorder, small_blocks_, 2);
+  const std::uint32_t all = rig_.cameraCount() == 32 ? ~0u : (1u << rig_.cameraCount()) - 1;
+  recordBlocks(recorder, top_blocks_, 0, all & ~absent);
+  recordBlocks(recorder, brick_blocks_, 1, 0);  // the others ask whom their parents left undecided
+  recordBlocks(recorder, small_blocks_, 2, 0);
 
   CarveVoxelArgs voxel{};
   voxel.cameras = rig_.cameras();

@@ -41,8 +41,9 @@ class Carver {
  public:
   Carver(Gpu& gpu, const GpuRig& rig, int voxels);
 
-  /// Records the carving of `masks` (GpuRig's layout). Work is proportional to the hull's surface.
-  void record(Recorder& recorder, const Buffer<std::uint32_t>& masks);
+  /// Records the carving of `masks` (GpuRig's layout). Work is proportional to the hull's surface. Cameras
+  /// whose bits are in `absent` have no say.
+  void record(Recorder& recorder, const Buffer<std::uint32_t>& masks, std::uint32_t absent = 0);
 
   int voxels() const { return voxels_; }
   double voxelMetres() const { return rig_.rig().workspace.edge_m / voxels_; }
@@ -56,7 +57,8 @@ class Carver {
   VoxelGrid download() const;
 
  private:
-  void recordBlocks(Recorder& recorder, const Kernel<CarveBlockArgs>& kernel, int level);
+  void recordBlocks(Recorder& recorder, const Kernel<CarveBlockArgs>& kernel, int level,
+                    std::uint32_t camera_bits);
 
   Gpu& gpu_;
   const GpuRig& rig_;

@@ -80,7 +80,7 @@ struct Pipeline::Parts {
   }
 
   /// From what is seen to the voxel model. The masks are there already, or come from the pictures.
-  void recordHull(bool from_pictures) {
+  void recordHull(bool from_pictures, std::uint32_t absent = 0) {
     if (from_pictures) {
       if (!silhouettes.learned())
         throw Error(
@@ -89,7 +89,7 @@ struct Pipeline::Parts {
       silhouettes.record(recorder, pictures);
     }
     recorder.stage("carve");
-    carver.record(recorder, silhouettes.masks());
+    carver.record(recorder, silhouettes.masks(), absent);
   }
 
   /// From the voxel model to the new surface.
@@ -118,7 +118,8 @@ struct Pipeline::Parts {
 
   /// The whole line. A frame whose last pose holds is one submission; a search has several of its own.
   /// Without controls the clay is left out.
-  FrameResult process(bool from_pictures, const std::optional<SculptControls>& controls) {
+  FrameResult process(bool from_pictures, const std::optional<SculptControls>& controls,
+                      std::uint32_t absent = 0) {
     FrameResult result;
     const auto start = Clock::now();
     if (controls) takeHandFrom(false);
@@ -126,7 +127,7 @@ struct Pipeline::Parts {
     if (from_pictures) finishBackground();
     const Timing timing = seen_frames.next();
     recorder.begin(timing);
-    recordHull(from_pictures);
+    recordHull(from_pictures, absent);
     if (following) recordHandAndClay(controls);
     submit(result);
 
@@ -210,8 +211,8 @@ FrameResult Pipeline::processPictures(const SculptControls& controls) {
   return parts_->process(true, controls);
 }
 
-FrameResult Pipeline::trackPictures() {
-  return parts_->process(true, std::nullopt);
+FrameResult Pipeline::trackPictures(std::uint32_t absent) {
+  return parts_->process(true, std::nullopt, absent);
 }
 
 FrameResult Pipeline::trackMasks(const std::vector<Mask>& masks) {

@@ -74,7 +74,8 @@ class Pipeline {
   /// The same from masks that are used as they are, one a camera.
   FrameResult processMasks(const std::vector<Mask>& masks, const SculptControls& controls = {});
   /// The hand alone: for whoever looks at the pose before it sculpts with sculptWith().
-  FrameResult trackPictures();
+  /// Cameras whose bits are in `absent` have no picture of this instant, and no say.
+  FrameResult trackPictures(std::uint32_t absent = 0);
   FrameResult trackMasks(const std::vector<Mask>& masks);
   /// A frame without cameras: the hand is where the caller says, and only the clay's stage runs. The tracker
   /// is left alone. Between such a frame and one with cameras the hand's way is not known, so the clay

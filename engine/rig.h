@@ -62,16 +62,19 @@ std::optional<Vec3> rayThroughPixel(const Lens& lens, const Vec2& pixel);
 /// Units that a rig file without [metadata] units is taken to be in.
 enum class RigUnits { kAsWritten, kMetres, kMillimetres };
 
-/// Reads Anipose's calibration TOML (Caliscope, FreeMoCap, Pose2Sim; `units` spelled out) or Caliscope's
-/// camera_array.toml. \throw Error naming file, camera and key when it is malformed or implausible.
+/// Reads Anipose's calibration TOML (Caliscope, FreeMoCap, Pose2Sim; `units` spelled out), in which any table
+/// with a `matrix` is a camera, or Caliscope's camera_array.toml. \throw Error naming file, camera and key
+/// when it is malformed or implausible, or says no size: rig_findings.h reads such a rig, too.
 Rig readRig(const std::filesystem::path& file, RigUnits units = RigUnits::kAsWritten);
 
 /// What a file says of one camera, before it is believed. Shared by every reader of rigs.
 struct CameraEntry {
   std::string name;
-  int width = 0, height = 0;        ///< pixels
-  Mat3 matrix = Mat3::Identity();   ///< OpenCV's camera matrix
-  std::vector<double> distortions;  ///< 4, 5 or 8 values in OpenCV's order; 4 for the fisheye model
+  int width = 0, height = 0;       ///< pixels; 0 x 0: not said, the pictures do
+  Mat3 matrix = Mat3::Identity();  ///< OpenCV's camera matrix
+  /// 4, 5 or 8 values in OpenCV's order, or 12 or 14 of which the 9th and later are 0; 4 for the fisheye
+  /// model.
+  std::vector<double> distortions;
   bool fisheye = false;
   std::vector<double> rotation;  ///< camera_from_world: 3 values (Rodrigues) or 9 (a matrix, row by row)
   Vec3 translation_m = Vec3::Zero();

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Rigs in files: Anipose's calibration TOML (a table a camera, [cam_0] …) with the unit spelled out, and
-// Caliscope's camera_array.toml ([cameras.0] …, always metres).
+// Rigs in TOML, as the programs out there write them:
+//   Anipose, FreeMoCap   a table a camera, [cam_0] …; [metadata]; the unit is that of the board's square
+//   Pose2Sim             a table a camera, of any name; sizes with a decimal point; [metadata]
+//   Caliscope            [cameras.0] …, always metres; before 2023 [cam_0] … in config.toml
+// What they share is read as one form: whatever table holds a `matrix` is a camera.
 #include <toml++/toml.h>
 #include <algorithm>
 #include <cmath>
@@ -9,8 +12,7 @@
 #include <sstream>
 
 #include "engine/error.h"
-#include "engine/mesh_file.h"
-#include "engine/rig.h"
+#include "engine/rig_findings.h"
 
 namespace airclay {
 namespace {
@@ -51,6 +53,11 @@ struct Entry {
     throw Error(where + key + line + (node ? " must be " : " is missing; it must be ") + right);
   }
 
+  /// Whether the key stands there with a value: some writers of TOML put the text "null" for none.
+  bool has(const std::string& key) const {
+    return table.contains(key) && table[key].value<std::string>() != "null";
+  }
+
   /// The finite numbers of an array, flattened when it is an array of rows.
   std::vector<double> numbers(const std::string& key, const std::string& right) const {
     std::vector<double> values;
@@ -81,30 +88,40 @@ struct Entry {
   }
 };
 
+bool isIgnored(const Entry& entry) {
+  return entry.table["ignore"].value_or(false);
+}
+
+/// Without a name, the table's; the videos of Caliscope are named after the camera's number.
 std::string cameraName(const Entry& entry, const std::string& fallback) {
-  if (!entry.table.contains("name")) return fallback;
+  if (!entry.has("name")) return fallback;
   const std::optional<std::string> name = entry.table["name"].value<std::string>();
   if (!name) entry.fail("name", "a text that names the camera's video");
   return *name;
 }
 
-Camera readCamera(const Entry& entry, const std::string& name, double metres, const std::string& file) {
-  CameraEntry camera;
-  camera.name = name;
-  const std::string size_form = "[width, height] in pixels, 16 to 16384 each";
-  const std::vector<double> size = entry.numbers("size", size_form);
-  if (size.size() != 2) entry.fail("size", size_form);
+/// Not written, it is 0 x 0. Pose2Sim writes whole numbers with a decimal point.
+void readSize(const Entry& entry, CameraEntry& camera) {
+  if (!entry.has("size")) return;
+  const std::string form = "[width, height] in pixels, 16 to 16384 each";
+  const std::vector<double> size = entry.numbers("size", form);
+  if (size.size() != 2) entry.fail("size", form);
   for (const double side : size)
     if (side != std::floor(side) || side < kMinPictureSide || side > kMaxPictureSide)
-      entry.fail("size", size_form);
+      entry.fail("size", form);
   camera.width = static_cast<int>(size[0]);
   camera.height = static_cast<int>(size[1]);
+}
 
+Camera readCamera(const Entry& entry, const std::string& name, double metres, const std::string& file) {
+  CameraEntry camera;
+  camera.name = cameraName(entry, name);
+  readSize(entry, camera);
   const std::string matrix_form = "[[fx, 0, cx], [0, fy, cy], [0, 0, 1]]";
   const std::vector<double> matrix = entry.numbers("matrix", matrix_form);
   if (matrix.size() != 9) entry.fail("matrix", matrix_form);
   camera.matrix = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(matrix.data());
-  if (entry.table.contains("fisheye")) {
+  if (entry.has("fisheye")) {
     const toml::value<bool>* fisheye = entry.table["fisheye"].as_boolean();
     if (!fisheye) entry.fail("fisheye", "true or false");
     camera.fisheye = fisheye->get();
@@ -115,36 +132,31 @@ Camera readCamera(const Entry& entry, const std::string& name, double metres, co
   return cameraFromEntry(camera, file);
 }
 
-/// The length of one of the file's units.
-double metresPerUnit(const toml::table& root, RigUnits units, const std::string& file) {
-  if (const toml::node_view<const toml::node> written = root["metadata"]["units"]) {
-    const std::optional<std::string> unit = written.value<std::string>();
-    if (unit == "m") return 1;
-    if (unit == "mm") return 1e-3;
-    throw Error(file + ": [metadata] units must be \"m\" or \"mm\"");
-  }
-  if (units == RigUnits::kAsWritten)
-    throw Error(file + ": [metadata] units is missing; units = \"m\" or \"mm\", or --units, would be right");
-  return units == RigUnits::kMillimetres ? 1e-3 : 1;
-}
-
 struct NamedTable {
   std::string name;
   const toml::table* table;
 };
 
-/// Tables of `parent` whose name starts with `prefix`, in the order of the file (TOML's own is alphabetical:
-/// cam_10 before cam_2).
-std::vector<NamedTable> tablesInOrder(const toml::table& parent, const std::string& prefix) {
+/// Tables of `parent` for which `wanted` holds, in the order of the file (TOML's own is alphabetical: cam_10
+/// before cam_2).
+template <class Wanted>
+std::vector<NamedTable> tablesInOrder(const toml::table& parent, Wanted wanted) {
   std::vector<NamedTable> found;
   for (const auto& [key, node] : parent)
-    if (const toml::table* table = node.as_table(); table && key.str().substr(0, prefix.size()) == prefix)
+    if (const toml::table* table = node.as_table(); table && wanted(std::string(key.str()), *table))
       found.push_back({std::string(key.str()), table});
   std::stable_sort(found.begin(), found.end(), [](const NamedTable& a, const NamedTable& b) {
     const toml::source_position a_begin = a.table->source().begin, b_begin = b.table->source().begin;
     return a_begin < b_begin;
   });
   return found;
+}
+
+/// Any table with a matrix is a camera's; and one named like a camera that has a pose but lost its matrix.
+bool isCamera(const std::string& name, const toml::table& table) {
+  if (name == "metadata" || name == "workspace") return false;
+  if (table.contains("matrix")) return true;
+  return name.starts_with("cam") && (table.contains("rotation") || table.contains("translation"));
 }
 
 /// Caliscope's camera_array.toml: no unit is written, it is metres.
@@ -154,118 +166,117 @@ bool isCameraArray(const toml::table& root) {
                                 [](const auto& item) { return item.second.is_table(); });
 }
 
-std::vector<Camera> readCameraArray(const toml::table& root, RigUnits units, const std::string& file) {
-  const double metres = units == RigUnits::kMillimetres ? 1e-3 : 1;
-  std::vector<Camera> cameras;
-  for (const auto& [key, table] : tablesInOrder(*root["cameras"].as_table(), "")) {
-    const Entry entry{*table, file + ": [cameras." + key + "] "};
-    const bool is_placed = table->contains("rotation") && table->contains("translation");
-    if ((*table)["ignore"].value_or(false) || !is_placed) continue;
-    const std::int64_t id = (*table)["cam_id"].value_or(std::int64_t{-1});
-    const std::string number = id >= 0 ? std::to_string(id) : key;
-    cameras.push_back(readCamera(entry, cameraName(entry, "cam_" + number), metres, file));
+/// Reads one file; what is wrong with one of its parts does not hide the others.
+class RigReader {
+ public:
+  RigReader(const toml::table& root, const std::string& file, RigUnits units)
+      : root_(root), file_(file), units_(units) {
+    result_.where = file;
   }
-  return cameras;
-}
 
-std::vector<Camera> readAnipose(const toml::table& root, RigUnits units, const std::string& file) {
-  const std::vector<NamedTable> tables = tablesInOrder(root, "cam");
-  if (tables.empty()) throw Error(file + ": it has no camera; a table [cam_0] a camera would be right");
-  const double metres = metresPerUnit(root, units, file);
-  std::vector<Camera> cameras;
-  for (const auto& [key, table] : tables) {
-    if ((*table)["ignore"].value_or(false)) continue;  // Caliscope's older form has it too
-    const Entry entry{*table, file + ": [" + key + "] "};
-    cameras.push_back(readCamera(entry, cameraName(entry, key), metres, file));
+  RigReading read() {
+    if (isCameraArray(root_))
+      readCameraArray();
+    else
+      readTables();
+    keepFault([&] { readWorkspace(); });
+    return std::move(result_);
   }
-  return cameras;
-}
 
-Workspace readWorkspace(const toml::table& root, const std::string& file) {
-  Workspace workspace;
-  if (!root.contains("workspace")) return workspace;
-  const toml::table* table = root["workspace"].as_table();
-  if (!table) throw Error(file + ": workspace must be a table with center and edge");
-  const Entry entry{*table, file + ": [workspace] "};
-  if (table->contains("center")) workspace.center = entry.vector("center", "[x, y, z] in metres");
-  if (table->contains("edge")) {
+ private:
+  /// Does a part's work; its Error becomes a fault of the list.
+  template <class Work>
+  void keepFault(Work work) {
+    try {
+      work();
+    } catch (const Error& error) {
+      result_.faults.push_back(faultFrom(error, file_));
+    }
+  }
+
+  /// The length of one of the file's units.
+  double metresPerUnit() const {
+    if (const toml::node_view<const toml::node> written = root_["metadata"]["units"]) {
+      const std::optional<std::string> unit = written.value<std::string>();
+      if (unit == "m") return 1;
+      if (unit == "mm") return 1e-3;
+      throw Error(file_ + ": [metadata] units must be \"m\" or \"mm\"");
+    }
+    if (units_ == RigUnits::kAsWritten)
+      throw Error(file_ +
+                  ": [metadata] units is missing; units = \"m\" or \"mm\", or --units, would be right");
+    return units_ == RigUnits::kMillimetres ? 1e-3 : 1;
+  }
+
+  void add(const Entry& entry, const std::string& name, double metres) {
+    keepFault([&] { result_.rig.cameras.push_back(readCamera(entry, name, metres, file_)); });
+  }
+
+  /// A camera that Caliscope did not place has no pose, and is none of the rig's.
+  void readCameraArray() {
+    const double metres = units_ == RigUnits::kMillimetres ? 1e-3 : 1;
+    const auto any = [](const std::string&, const toml::table&) { return true; };
+    for (const auto& [key, table] : tablesInOrder(*root_["cameras"].as_table(), any)) {
+      const Entry entry{*table, file_ + ": [cameras." + key + "] "};
+      if (isIgnored(entry) || !entry.has("rotation") || !entry.has("translation")) continue;
+      const auto numbered = [&](const char* id_key, const std::string& prefix) {
+        const std::int64_t id = (*table)[id_key].value_or(std::int64_t{-1});
+        return id >= 0 ? prefix + std::to_string(id) : "";
+      };
+      std::string name = numbered("cam_id", "cam_");
+      if (name.empty()) name = numbered("port", "port_");  // as it was called until 2025
+      add(entry, name.empty() ? "cam_" + key : name, metres);
+    }
+  }
+
+  void readTables() {
+    const std::vector<NamedTable> tables = tablesInOrder(root_, isCamera);
+    if (tables.empty())
+      throw Error(file_ +
+                  ": it has no camera; a table such as [cam_0] with a matrix, a camera, would be right");
+    double metres = 1;
+    keepFault([&] { metres = metresPerUnit(); });
+    for (const auto& [key, table] : tables) {
+      const Entry entry{*table, file_ + ": [" + key + "] "};
+      if (!isIgnored(entry)) add(entry, key, metres);  // Caliscope's older form knows ignored ones, too
+    }
+  }
+
+  /// [workspace]; or within [metadata], where programs that take every other table for a camera leave it.
+  void readWorkspace() {
+    const bool in_metadata = !root_.contains("workspace");
+    const toml::node_view<const toml::node> node =
+        in_metadata ? root_["metadata"]["workspace"] : root_["workspace"];
+    if (!node) return;
+    const toml::table* table = node.as_table();
+    if (!table) throw Error(file_ + ": workspace must be a table with center and edge");
+    const Entry entry{*table, file_ + (in_metadata ? ": [metadata.workspace] " : ": [workspace] ")};
+    Workspace& workspace = result_.rig.workspace;
+    if (table->contains("center")) workspace.center = entry.vector("center", "[x, y, z] in metres");
+    if (!table->contains("edge")) return;
     const std::optional<double> edge = (*table)["edge"].value<double>();
     if (!edge || !(*edge > 0) || !std::isfinite(*edge)) entry.fail("edge", "a length in metres, above 0");
     workspace.edge_m = *edge;
   }
-  return workspace;
-}
 
-std::string quoted(const std::string& name) {
-  std::string result = "\"";
-  for (const char c : name) {
-    if (c == '"' || c == '\\') result += '\\';
-    result += c;
-  }
-  return result + '"';
-}
-
-/// Every distortion coefficient that the model has, k3 and k4..k6 only where one of them is set.
-std::vector<double> writtenDistortions(const Lens& lens) {
-  const std::array<double, 8>& k = lens.distortion;
-  if (lens.model == LensModel::kFisheye) return {k.begin(), k.begin() + 4};
-  const bool is_rational = k[5] != 0 || k[6] != 0 || k[7] != 0;
-  return {k.begin(), k.begin() + (is_rational ? 8 : 5)};
-}
-
-void writeMatrix(std::ostream& out, const char* key, const Mat3& matrix) {
-  out << key << " = [";
-  for (int row = 0; row < 3; ++row)
-    out << (row ? ", [" : "[") << matrix(row, 0) << ", " << matrix(row, 1) << ", " << matrix(row, 2) << "]";
-  out << "]\n";
-}
-
-void writeList(std::ostream& out, const std::string& key, const std::vector<double>& values) {
-  out << key << " = [";
-  for (size_t i = 0; i < values.size(); ++i) out << (i ? ", " : "") << values[i];
-  out << "]\n";
-}
+  const toml::table& root_;
+  const std::string file_;
+  const RigUnits units_;
+  RigReading result_;
+};
 
 }  // namespace
 
-Rig readRig(const std::filesystem::path& file, RigUnits units) {
+RigReading readRigWithFaults(const std::filesystem::path& file, RigUnits units) {
   const toml::table root = parse(file);
-  Rig rig;
-  rig.cameras = isCameraArray(root) ? readCameraArray(root, units, file.string())
-                                    : readAnipose(root, units, file.string());
-  rig.workspace = readWorkspace(root, file.string());
-  checkRig(rig, file);
-  return rig;
+  return RigReader(root, file.string(), units).read();
 }
 
-void writeRig(const std::filesystem::path& file, const Rig& rig, WrittenRotations rotations) {
-  std::ostringstream out;
-  out.imbue(std::locale::classic());
-  out.precision(17);  // a double comes back as it was
-  for (size_t i = 0; i < rig.cameras.size(); ++i) {
-    const Camera& camera = rig.cameras[i];
-    const Lens& lens = camera.lens;
-    const Mat3 matrix = camera.camera_from_world.linear();
-    const Eigen::AngleAxisd turn(matrix);
-    const Vec3 rotation = turn.angle() * turn.axis();
-    const Vec3 translation = camera.camera_from_world.translation();
-    out << "[cam_" << i << "]\nname = " << quoted(camera.name) << "\nsize = [" << camera.width << ", "
-        << camera.height << "]\nmatrix = [[" << lens.fx << ", 0, " << lens.cx << "], [0, " << lens.fy << ", "
-        << lens.cy << "], [0, 0, 1]]\n";
-    writeList(out, "distortions", writtenDistortions(lens));
-    if (lens.model == LensModel::kFisheye) out << "fisheye = true\n";
-    if (rotations == WrittenRotations::kMatrices)
-      writeMatrix(out, "rotation", matrix);
-    else
-      writeList(out, "rotation", {rotation.begin(), rotation.end()});
-    writeList(out, "translation", {translation.begin(), translation.end()});
-    out << '\n';
-  }
-  const Vec3& center = rig.workspace.center;
-  out << "[workspace]\n";
-  writeList(out, "center", {center.begin(), center.end()});
-  out << "edge = " << rig.workspace.edge_m << "\n\n[metadata]\nunits = \"m\"\n";
-  writeWhole(file, out.str());
+Rig readRig(const std::filesystem::path& file, RigUnits units) {
+  const RigReading reading = readRigWithFaults(file, units);
+  Rig rig = reading.rigWithoutFaults();
+  checkRig(rig, file);
+  return rig;
 }
 
 }  // namespace airclay

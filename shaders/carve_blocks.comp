@@ -88,7 +88,7 @@ void main() {
   MixedBlock block = MixedBlock(0, 0, 0);
   uvec3 parent_corner = uvec3(0);
   if (top && !idle) {
-    block.cameras = args.camera_count == 32 ? ~0u : (1u << args.camera_count) - 1;
+    block.cameras = args.camera_bits;
   } else if (!idle) {
     block = args.parents.at[parent_index];
     parent_corner = uvec3(block.low_corner, block.low_corner >> 10, block.low_corner >> 20) & 1023u;

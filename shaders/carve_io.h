@@ -88,7 +88,7 @@ struct CarveBlockArgs {
   WriteUints brick_states;
   WriteUints words;
   ReadWriteUints sums;  // HullSums
-  uint camera_count;
+  uint camera_bits;     // those that have a say: at the top
   uint voxels;          // N
   float voxel_m;
   uint runs_edge;       // runs along x in a parent

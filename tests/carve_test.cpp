@@ -8,7 +8,8 @@
 namespace airclay {
 namespace {
 
-VoxelGrid carve(const Rig& rig, const std::vector<Mask>& masks, int voxels, HullFigures* counted = nullptr) {
+VoxelGrid carve(const Rig& rig, const std::vector<Mask>& masks, int voxels, HullFigures* counted = nullptr,
+                std::uint32_t absent = 0) {
   Gpu& gpu = testGpu();
   const GpuRig gpu_rig(gpu, rig);
   Buffer<std::uint32_t> packed(gpu, gpu_rig.maskWords(), Memory::kHost);
@@ -19,7 +20,7 @@ VoxelGrid carve(const Rig& rig, const std::vector<Mask>& masks, int voxels, Hull
   for (int frame = 0; frame < 2; ++frame) {
     recorder.begin();
     recorder.stage("carve");
-    carver.record(recorder, packed);
+    carver.record(recorder, packed, absent);
     recorder.submitAndWait();
   }
   EXPECT_TRUE(hazards(recorder.commands()).empty());
@@ -50,6 +51,22 @@ TEST(Carve, EqualsTheReferenceForEveryVoxelCount) {
     SCOPED_TRACE(voxels);
     EXPECT_GT(expectEqual(rig, masks, voxels), 0u);
   }
+}
+
+TEST(Carve, AnAbsentCameraHasNoSay) {
+  const Rig rig = ringRig(4);
+  std::vector<Mask> masks = sphereMasks(rig, Vec3(0.05, -0.03, 0.02), 0.09);
+  std::fill(masks[1].pixels.begin(), masks[1].pixels.end(), std::uint8_t(0));  // it would empty the cube
+  Rig others = rig;
+  others.cameras.erase(others.cameras.begin() + 1);
+  std::vector<Mask> their_masks = masks;
+  their_masks.erase(their_masks.begin() + 1);
+  const VoxelGrid expected = carve(others, their_masks, 64);
+  EXPECT_EQ(carve(rig, masks, 64, nullptr, 1u << 1).occupied, expected.occupied);
+  EXPECT_GT(std::count(expected.occupied.begin(), expected.occupied.end(), 1), 0);
+  // three of four absent: nothing is seen by two
+  const VoxelGrid alone = carve(rig, masks, 64, nullptr, 0b1011);
+  EXPECT_EQ(std::count(alone.occupied.begin(), alone.occupied.end(), 0), 64 * 64 * 64);
 }
 
 TEST(Carve, ASphereIsInsideItsHullAndTheHullIsTight) {

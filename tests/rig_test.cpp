@@ -386,7 +386,7 @@ TEST(RigFile, refusesWhatIsMalformedOrImplausible) {
       {"units = \"m\"", "units = \"cm\"", {"units"}},
       {"units = \"m\"", "", {"units"}},
       {"[cam_1]", "[cam_1", {":9:"}},
-      {"[cam_1]", "[other]", {"1 camera"}},
+      {"[cam_1]", "[cam_1]\nignore = true", {"1 camera"}},
   };
   const TemporaryFolder folder;
   for (const BadRig& bad : cases) {

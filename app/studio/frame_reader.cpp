@@ -4,8 +4,9 @@
 #include <utility>
 
 namespace airclay {
+
 FrameReader::FrameReader(Recording& recording, bool paced)
-    : recording_(recording), paced_(paced), thread_([this] { run(); }) {}
+    : recording_(recording), paced_(paced && !recording.isLive()), thread_([this] { run(); }) {}
 
 FrameReader::~FrameReader() {
   {
@@ -20,7 +21,7 @@ void FrameReader::run() {
   FrameSet set;
   try {
     while (waitForRoom()) {
-      read(set);
+      if (!read(set)) continue;  // live, and nothing came
       const std::lock_guard lock(mutex_);
       if (restart_) continue;  // what was read is of the last round
       std::swap(slot_, set);
@@ -62,10 +63,9 @@ bool FrameReader::waitForRoom() {
   return false;
 }
 
-void FrameReader::read(FrameSet& set) {
+/// False when a live recording gave nothing. Its times are known only after the pictures.
+bool FrameReader::read(FrameSet& set) {
   set.frame = next_;
-  set.time_s = recording_.timeOf(set.frame);
-  set.camera_times_s = recording_.cameraTimesOf(set.frame);
   set.captured_at = Clock::now();
   const std::vector<Camera>& cameras = recording_.rig().cameras;
   set.bytes.resize(cameras.size());  // whoever took the last set gave another for it
@@ -75,9 +75,15 @@ void FrameReader::read(FrameSet& set) {
   std::vector<std::span<std::uint8_t>> buffers(set.bytes.begin(), set.bytes.end());
   if (recording_.hasSilhouettes())
     recording_.readSilhouettes(set.frame, buffers);
-  else
-    recording_.readPictures(set.frame, buffers);
-  set.decode_ms = millisecondsSince(set.captured_at);
+  else if (!recording_.readPictures(set.frame, buffers))
+    return false;
+  set.decode_ms = recording_.isLive() ? 0 : millisecondsSince(set.captured_at);
+  set.captured_at = recording_.capturedAt().value_or(set.captured_at);
+  set.time_s = recording_.timeOf(set.frame);
+  set.camera_times_s = recording_.cameraTimesOf(set.frame);
+  set.absent = recording_.absentCameras();
+  set.troubles = recording_.troubles();
+  return true;
 }
 
 void FrameReader::ask() {

@@ -23,6 +23,8 @@ struct FrameSet {
   Clock::time_point captured_at;  ///< when the frame was due, and its decoding began
   double decode_ms = 0;
   std::vector<double> camera_times_s;            ///< empty where the cameras have none of their own
+  std::uint32_t absent = 0;                      ///< bits of cameras without a picture
+  std::vector<std::string> troubles;             ///< what is wrong with the cameras
   std::vector<std::vector<std::uint8_t>> bytes;  ///< one a camera: BGR, or a mask's bytes
 };
 
@@ -47,7 +49,7 @@ class FrameReader {
   void run();
   bool waitForRoom();
   Clock::time_point due() const;
-  void read(FrameSet& set);
+  bool read(FrameSet& set);
 
   Recording& recording_;
   const bool paced_;

@@ -267,6 +267,7 @@ void Panels::drawStatus(const Snapshot& snapshot, const Stage& stage, const Mete
   ImGui::Begin("Hand", nullptr, kPanel);
   const TrustWords trust = snapshot.learning ? TrustWords{"learning the empty workspace", look::kFaint}
                            : snapshot.ended  ? TrustWords{"the recording has ended", look::kFaint}
+                           : snapshot.silent ? TrustWords{"no pictures come", look::kFaint}
                                              : wordsFor(snapshot.trust);
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float em = ImGui::GetFontSize();
@@ -284,6 +285,8 @@ void Panels::drawStatus(const Snapshot& snapshot, const Stage& stage, const Mete
       ImGui::Text("%.1f ms between the cameras", 1000 * *snapshot.skew_s);
     else
       ImGui::TextDisabled("cameras without times of their own");
+    for (const std::string& trouble : snapshot.troubles)
+      ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(look::kClay), "%s", trouble.c_str());
     drawStages(snapshot);
   }
   if (settings_.show_graph && meter.history().size() > 1) {

@@ -21,6 +21,8 @@ constexpr std::size_t kClayPoints = 2000;
 constexpr auto kPictureWait = std::chrono::milliseconds(50);
 // 5 cm/s: slower, the filter's lag is of no distance.
 constexpr double kMovingMetresS = 0.05;
+/// Cameras that give no set for so long have fallen silent.
+constexpr auto kSilence = std::chrono::milliseconds(700);
 // Ten sets of four VGA cameras are 37 MB.
 constexpr std::size_t kKeptLearnedBytes = std::size_t(128) << 20;
 
@@ -217,7 +219,10 @@ bool Session::frameFromRecording() {
   }
   background_learned_ = true;
   if (!reader_->take(set_, 0.01)) {
-    if (reader_->atEnd()) endOfTake();
+    if (reader_->atEnd())
+      endOfTake();
+    else if (recording.isLive())
+      showSilence();
     return false;
   }
 
@@ -226,9 +231,11 @@ bool Session::frameFromRecording() {
       set_.frame > 0 && last_frame_s_ >= 0 ? set_.time_s - last_frame_s_ : 1 / recording.rateHz();
   DoneFrame done = replayed ? *replayed : wishesNow(set_.time_s, step_s);
   if (!replayed) done.learned = set_.frame < recording.backgroundFrames();
+  if (!replayed) done.absent = set_.absent;
   Snapshot next;
   next.frame = set_.frame;
-  next.frame_count = recording.frameCount();
+  next.frame_count = recording.isLive() ? 0 : recording.frameCount();
+  next.troubles = set_.troubles;
   next.time_s = done.learned ? set_.time_s : done.time_s;
   next.captured_at = set_.captured_at;
   next.decode_ms = set_.decode_ms;
@@ -245,7 +252,7 @@ bool Session::frameFromRecording() {
     if (next.learning)
       used = learn();
     else
-      next.result = pipeline_.trackPictures();
+      next.result = pipeline_.trackPictures(done.absent);
   }
   reader_->ask();  // what is left of this frame keeps one core busy
   if (!next.learning) {
@@ -268,6 +275,24 @@ bool Session::frameFromRecording() {
   publish(next);
   waitForPicture(serial_);
   return true;
+}
+
+/// Cameras give nothing: that is said, and why.
+void Session::showSilence() {
+  const auto now = Clock::now();
+  if (!frame_times_.empty() && now - frame_times_.back() < kSilence) return;
+  frame_times_.clear();
+  {
+    const std::lock_guard lock(mutex_);
+    if (snapshot_.silent && now - snapshot_.captured_at < kSilence) return;
+    snapshot_.silent = true;
+    snapshot_.captured_at = now;
+    snapshot_.troubles = options_.recording->troubles();
+    snapshot_.rate_hz = 0;
+    snapshot_.trust = HandTrust::kNobody;
+    snapshot_.world_from_hand.reset();
+  }
+  if (options_.wake) options_.wake();
 }
 
 /// The set shows the empty workspace. False when it was known already: the take is played again.

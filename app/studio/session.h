@@ -55,18 +55,20 @@ struct SessionSettings {
 
 /// The state of things after a frame, as the window shows it.
 struct Snapshot {
-  std::uint64_t serial = 0;  ///< of the frame; 0: none yet
-  int frame = 0, frame_count = 0;
+  std::uint64_t serial = 0;        ///< of the frame; 0: none yet
+  int frame = 0, frame_count = 0;  ///< of cameras that run there is no count: 0
   double time_s = 0;
   bool learning = false;  ///< the empty workspace
   bool ended = false;     ///< of the take
+  bool silent = false;    ///< cameras that run give no pictures
   HandTrust trust = HandTrust::kNobody;
   std::optional<Pose> world_from_hand;  ///< as it sculpts
   FrameResult result;
   StageTimes stage_ms;  ///< of the last frames that were timed
   double decode_ms = 0;
-  std::optional<double> steady_ms;  ///< the filter's lag; of a hand at rest it means nothing
-  std::optional<double> skew_s;     ///< the cameras'; none where they have no times of their own
+  std::optional<double> steady_ms;    ///< the filter's lag; of a hand at rest it means nothing
+  std::optional<double> skew_s;       ///< the cameras'; none where they have no times of their own
+  std::vector<std::string> troubles;  ///< what is wrong with the cameras
   Clock::time_point captured_at;
   double rate_hz = 0;             ///< frames that went through in the last second
   std::uint64_t clay_serial = 0;  ///< another one when the clay may have moved
@@ -134,6 +136,7 @@ class Session {
   void set(const SessionSettings& settings);
   void setMouseHand(const MouseHand& hand);
   bool hasRecording() const { return options_.recording != nullptr; }
+  bool isLive() const { return hasRecording() && options_.recording->isLive(); }
   bool pipelineFailed() const { return failed_; }
   bool replaying() const { return options_.replay != nullptr; }
   RecorderView recorderView() const;
@@ -209,6 +212,7 @@ class Session {
   void endOfTake();
   bool obey();
   bool frameFromRecording();
+  void showSilence();
   bool frameFromMouse();
   bool frameFromReplayedMouse();
   void workOnMouseFrame(DoneFrame done);

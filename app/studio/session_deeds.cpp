@@ -133,7 +133,7 @@ void Session::openDocument(const std::filesystem::path& file) {
 }
 
 void Session::restartTake() {
-  if (reader_) act({.what = Deed::What::kAgain});
+  if (reader_ && !isLive()) act({.what = Deed::What::kAgain});
 }
 
 void Session::startRecording(const std::filesystem::path& folder) {

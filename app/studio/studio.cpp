@@ -203,7 +203,7 @@ class Studio {
           key(GLFW_KEY_C, "C", "cameras", [this] { settings_.show_cameras ^= true; }),
           key(GLFW_KEY_TAB, "Tab", "panels", [this] { settings_.show_panels ^= true; }),
           key(GLFW_KEY_F1, "F1", "this help", [this] { show_help_ = !show_help_; })}}};
-    if (session_.hasRecording())
+    if (session_.hasRecording() && !session_.isLive())
       keys_.push_back(
           {"Recording",
            {key(GLFW_KEY_BACKSPACE, "Backspace", "from the start", [this] { session_.restartTake(); }),
@@ -396,6 +396,7 @@ class Studio {
                        {"cameras_shown", panels_.insets().size()},
                        {"resident_mb", residentMegabytes()},
                        {"decode_ms", snapshot.decode_ms},
+                       {"troubles", snapshot.troubles},
                        {"skew_ms", snapshot.skew_s ? json(1000 * *snapshot.skew_s) : json()},
                        {"steady_ms", snapshot.steady_ms ? json(*snapshot.steady_ms) : json()},
                        {"stage_ms", stages}};

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+// What the parts of the calibration hand to each other; not for others.
+#pragma once
+
+#include "capture/calibration.h"
+
+namespace airclay {
+
+/// Which of a lens' eight distortion coefficients are sought; the others are 0.
+using FreeCoefficients = std::array<bool, 8>;
+
+struct BundleCamera {
+  Lens lens;
+  FreeCoefficients free{};
+  bool free_center = true;  ///< the principal point is sought, too
+  Pose camera_from_world = Pose::Identity();
+  double noise_px = 1;            ///< standard deviation of a corner's coordinate
+  double half_diagonal_px = 400;  ///< of the picture
+};
+
+/// One camera's view of one board. Views of one instant share a stand.
+struct BundleView {
+  int camera = 0, frame = 0;
+  int stand = 0;  ///< place in Bundle::world_from_board
+  std::vector<int> ids;
+  std::vector<Vec3> corners;  ///< board, metres
+  std::vector<Vec2> pixels;
+  std::vector<char> trusted;  ///< whether the corner counts
+
+  int trustedCount() const;
+};
+
+/// Everything that is adjusted at once.
+struct Bundle {
+  std::vector<BundleCamera> cameras;
+  std::vector<Pose> world_from_board;
+  std::vector<BundleView> views;
+};
+
+enum class Loss { kCauchy, kHuber };
+
+struct AdjustOptions {
+  Loss loss = Loss::kCauchy;
+  double loss_scale = 2.4;  ///< in standard deviations: 95 % efficient for Cauchy's (Rey 1983)
+  bool fix_lenses = false;
+  int max_iterations = 60;
+  double done = 0;  ///< share of the calibration that lies behind, for workGoesOn()
+};
+
+/// Least squares over all trusted corners, the first camera's pose held. \throw Error when it diverges.
+void adjust(Bundle& bundle, const AdjustOptions& options = {});
+
+/// seen - projected in pixels; a corner that cannot be projected is 1e6 px off.
+Vec2 residualOf(const Bundle& bundle, const BundleView& view, std::size_t corner);
+std::vector<double> residualLengths(const Bundle& bundle, const BundleView& view);
+
+/// Standard deviation of a coordinate of the trusted residuals of a camera, by their median: half the corners
+/// may be wrong.
+double robustNoise(const Bundle& bundle, int camera);
+
+/// Sum over trusted corners of Cauchy's loss in units of `noise_px`², twice the negative log likelihood.
+double robustCost(const Bundle& bundle, double noise_px);
+
+/// The relative standard deviation of each camera's focal length.
+std::vector<double> focalSigmas(const Bundle& bundle);
+
+/// A corner counts as long as it is this near, for a camera of this noise.
+double trustedRadius(double noise_px);
+
+/// Trusts the corners that are near enough, and no others.
+void trustNearCorners(Bundle& bundle);
+
+/// The two poses camera_from_board that a flat board's view allows (Collins and Bartoli 2014, "Infinitesimal
+/// plane-based pose estimation"), the likelier first; none where the corners determine none.
+std::vector<Pose> boardPoses(const Lens& lens, const BundleView& view);
+
+/// The view's corners that lie on two rows and two columns or more; none where there are fewer than 6
+/// corners.
+std::optional<BundleView> usableView(const Board& board, const BoardView& view);
+
+/// Whose lens is sought, from which of its views.
+struct LensTask {
+  const CameraViews& camera;
+  std::vector<BundleView> views;
+  double done = 0;  ///< as in AdjustOptions
+};
+
+/// Whether light arrives at the whole of a picture of width x height pixels: the model does not turn before
+/// its corners (or 85 degrees from the axis, where a fisheye lens may end).
+bool reachesCorners(const Lens& lens, int width, int height);
+
+/// One camera's lens. \throw Error naming the camera when no lens explains the views.
+BundleCamera fitLens(const LensTask& task, const CalibrationOptions& options);
+
+/// Both poses of each view's board, in the order of the views.
+using ViewPoses = std::vector<std::vector<Pose>>;
+
+/// Where the cameras stand, through the boards that two of them saw at once; the first camera's is the world.
+/// \throw Error naming cameras that no chain of shared views connects.
+void chainCameras(Bundle& bundle, const ViewPoses& poses, const std::vector<CameraViews>& names);
+
+double medianOf(std::vector<double> values);
+
+/// Everything of Calibration but the rig and the world, from the adjusted bundle; warnings are added.
+void report(const Bundle& bundle, Calibration& calibration);
+
+}  // namespace airclay
