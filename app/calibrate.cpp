@@ -28,26 +28,6 @@ struct CalibrateOptions : CommonOptions {
   double measured_square_mm = 0;  ///< 0: not said
 };
 
-Vec3 centerFrom(const std::string& text) {
-  Vec3 center = Vec3::Zero();
-  std::size_t begin = 0;
-  bool good = true;
-  for (int i = 0; i < 3 && good; ++i) {
-    const std::size_t end = i < 2 ? text.find(',', begin) : text.size();
-    const std::optional<double> value = end == std::string::npos
-                                            ? std::nullopt
-                                            : parseNumber(std::string_view(text).substr(begin, end - begin));
-    good = value.has_value();
-    center[i] = value.value_or(0);
-    begin = end + 1;
-  }
-  if (!good)
-    throw Error(
-        "--center " + printable(text) + " is no place; X,Y,Z in metres would be right: --center 0,0,0.3",
-        Fault::kUsage);
-  return center;
-}
-
 LensChoice lensFrom(const std::string& word) {
   if (word == "5") return LensChoice::kFive;
   if (word == "8") return LensChoice::kEight;
@@ -175,7 +155,8 @@ void addWorldOptions(CLI::App& command, CalibrateOptions& options) {
       ->type_name("N");
   command
       .add_option_function<std::string>(
-          "--center", [&calibration](const std::string& text) { calibration.center = centerFrom(text); },
+          "--center",
+          [&calibration](const std::string& text) { calibration.center = placeFrom("--center", text); },
           "the cube's middle, metres, world [with --world half an edge above the board, else the origin]")
       ->type_name("X,Y,Z");
   command.add_option("--edge", calibration.edge_m, "the cube's edge, metres [0.6]")

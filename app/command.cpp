@@ -9,6 +9,9 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "engine/error.h"
+#include "engine/mesh_file.h"
+
 namespace airclay {
 namespace {
 
@@ -88,6 +91,23 @@ std::string fixed(double value, int digits) {
   char text[64];
   std::snprintf(text, sizeof text, "%.*f", digits, value);
   return text;
+}
+
+Vec3 placeFrom(const std::string& option, const std::string& text) {
+  std::vector<double> values;
+  std::size_t start = 0;
+  while (start <= text.size()) {
+    const std::size_t end = std::min(text.find(',', start), text.size());
+    const std::optional<double> value = parseNumber(std::string_view(text).substr(start, end - start));
+    if (!value) break;
+    values.push_back(*value);
+    start = end + 1;
+  }
+  if (values.size() != 3 || start <= text.size())
+    throw Error(option + " " + printable(text) + " is no place; X,Y,Z in metres would be right: " + option +
+                    " 0,0,0.05",
+                Fault::kUsage);
+  return {values[0], values[1], values[2]};
 }
 
 std::string oneLine(std::string message) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/gpu/gpu.h"
+#include "engine/math.h"
 
 namespace CLI {
 class App;
@@ -53,6 +54,9 @@ void printTable(const std::vector<std::vector<std::string>>& rows);
 
 /// `value` with `digits` after the point.
 std::string fixed(double value, int digits);
+
+/// X,Y,Z, the value of `option`. \throw Error (Fault::kUsage)
+Vec3 placeFrom(const std::string& option, const std::string& text);
 
 /// The words of a message in one line: anything else than printing characters becomes a space.
 std::string oneLine(std::string message);

@@ -40,28 +40,12 @@ std::string counted(std::size_t count, const std::string& thing) {
   return std::to_string(count) + " " + thing + (count == 1 ? "" : "s");
 }
 
-Vec3 centerFrom(const std::string& text) {
-  std::vector<double> values;
-  std::stringstream words(text);
-  for (std::string word; std::getline(words, word, ',');) {
-    const std::optional<double> value = parseNumber(word);
-    if (!value) break;
-    values.push_back(*value);
-  }
-  const auto commas = std::count(text.begin(), text.end(), ',');
-  if (values.size() != 3 || commas != 2)
-    throw Error("--center " + printable(text) +
-                    " is no place; X,Y,Z in metres, or auto, would be right: --center 0,0,1.2",
-                Fault::kUsage);
-  return {values[0], values[1], values[2]};
-}
-
 /// --center and --edge, where they were given.
 void moveWorkspace(const RigOptions& options, RigReading& reading) {
   if (options.edge_m > 0) reading.rig.workspace.edge_m = options.edge_m;
   if (options.center.empty()) return;
   if (options.center != "auto") {
-    reading.rig.workspace.center = centerFrom(options.center);
+    reading.rig.workspace.center = placeFrom("--center", options.center);
     return;
   }
   const std::optional<Vec3> meet = whereAxesMeet(reading.rig);
@@ -71,7 +55,7 @@ void moveWorkspace(const RigOptions& options, RigReading& reading) {
 }
 
 RigReading readTheRig(const RigOptions& options) {
-  if (!options.center.empty() && options.center != "auto") centerFrom(options.center);
+  if (!options.center.empty() && options.center != "auto") placeFrom("--center", options.center);
   RigReading reading = readAnyRig(options.rig, unitsOf(options.units));
   moveWorkspace(options, reading);
   return reading;

@@ -35,23 +35,6 @@ struct SculptOptions : CommonOptions {
   std::vector<std::string> given;  ///< words on the command line that a replay has no use for
 };
 
-Vec3 placeFrom(const std::string& text) {
-  std::vector<double> values;
-  std::size_t start = 0;
-  while (start <= text.size()) {
-    const std::size_t end = std::min(text.find(',', start), text.size());
-    const std::optional<double> value = parseNumber(std::string_view(text).substr(start, end - start));
-    if (!value) break;
-    values.push_back(*value);
-    start = end + 1;
-  }
-  if (values.size() != 3 || start <= text.size())
-    throw Error(
-        "--place " + printable(text) + " is no place; X,Y,Z in metres would be right: --place 0,0,0.05",
-        Fault::kUsage);
-  return {values[0], values[1], values[2]};
-}
-
 /// The cage where and as large as it is wanted: --place moves the middle of its bounds, --size is their
 /// longest side. A preset without a place stands in the workspace's centre, a file where its coordinates say.
 PolygonMesh placedCage(const SculptOptions& options, const Workspace& workspace) {
@@ -364,7 +347,7 @@ void addSculpt(CLI::App& program, int&) {
       ->type_name("PRESET|FILE");
   command
       ->add_option_function<std::string>(
-          "--place", [options](const std::string& text) { options->place = placeFrom(text); },
+          "--place", [options](const std::string& text) { options->place = placeFrom("--place", text); },
           "where the clay's middle stands: world, metres")
       ->type_name("X,Y,Z");
   command->add_option("--size", options->size_m, "the clay's longest side in metres")

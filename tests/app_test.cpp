@@ -134,7 +134,7 @@ TEST(App, WrongUsageIsStatusTwo) {
   expectRefused({"subdivide", "tube", "--out", "x.obj", "--rule", "loop"}, 2, "loop");
   expectRefused({"deform", "tube", "--out", "x.obj", "--moves", "m.csv"}, 2, "--cage-out");
   expectRefused({"sculpt"}, 2, "TAKE");
-  expectRefused({"sculpt", "--rig", "rig.toml", "--camera", "left=0"}, 2, "live cameras");
+  expectRefused({"sculpt", "--camera", "left=0"}, 2, "--rig RIG.toml");
   expectRefused({"sculpt", "take", "--tool", "hammer"}, 2, "--tool");
   expectRefused({"sculpt", "take", "--place", "1,2"}, 2, "--place 1,2");
   expectRefused({"sculpt", "take", "--place", "1,2,3,4"}, 2, "--place 1,2,3,4");
