@@ -7,23 +7,23 @@
 
 namespace airclay {
 
-HandScript smallTakeScript(int empty_frames) {
+HandScript smallTakeScript(const SmallTake& take) {
   const HandScript demo = demoScript();
   const double begins_s = 10.0 / 30;  // in the demo's script
-  return HandScript(empty_frames / 30.0, *demo.at(begins_s + 0.8),
-                    {{0.15, *demo.at(begins_s + 0.95)},
-                     {0.45, *demo.at(begins_s + 1.55)},
-                     {0.4, *demo.at(begins_s + 2.35)}});
+  return HandScript(take.empty_frames / 30.0, *demo.at(begins_s + 0.8),
+                    {{take.slower * 0.15, *demo.at(begins_s + 0.95)},
+                     {take.slower * 0.45, *demo.at(begins_s + 1.55)},
+                     {take.slower * 0.4, *demo.at(begins_s + 2.35)}});
 }
 
-int writeSmallTake(const std::filesystem::path& folder, int empty_frames) {
+int writeSmallTake(const std::filesystem::path& folder, const SmallTake& take) {
   SyntheticOptions options;
   for (Camera& camera : options.rig.cameras) {
     camera.width /= 2;
     camera.height /= 2;
     for (double* value : {&camera.lens.fx, &camera.lens.fy, &camera.lens.cx, &camera.lens.cy}) *value /= 2;
   }
-  options.script = smallTakeScript(empty_frames);
+  options.script = smallTakeScript(take);
   Synthetic synthetic(testGpu(), options);
   std::filesystem::create_directories(folder);
   writeRig(folder / "rig.toml", synthetic.rig());

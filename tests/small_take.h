@@ -8,11 +8,15 @@
 
 namespace airclay {
 
-/// What the hand does in it: it comes to the tube's side, presses it in and goes away.
-HandScript smallTakeScript(int empty_frames = 10);
+struct SmallTake {
+  int empty_frames = 10;  ///< of the empty workspace, at the start
+  double slower = 1;      ///< the hand takes so many times longer for its way
+};
 
-/// The recording: small pictures, 30 a second, few, those of the empty workspace before them. Returns how
-/// many frames.
-int writeSmallTake(const std::filesystem::path& folder, int empty_frames = 10);
+/// What the hand does in it: it comes to the tube's side, presses it in and goes away.
+HandScript smallTakeScript(const SmallTake& take = {});
+
+/// The recording: small pictures, 30 a second, few. Returns how many frames.
+int writeSmallTake(const std::filesystem::path& folder, const SmallTake& take = {});
 
 }  // namespace airclay
