@@ -34,7 +34,7 @@ struct SetOptions : DocumentOptions {
 };
 
 struct TurnOptions : DocumentOptions {
-  std::string axis;
+  std::string axis, about;
   double degrees = 0;
 };
 
@@ -160,7 +160,8 @@ void runTurn(const TurnOptions& options) {
   ClayState state = document.state();
   const Vec3 axis = Vec3::Unit(options.axis[0] - 'x');
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(options.degrees * M_PI / 180, axis));
-  for (Vec3& point : state.cage.points) point = turn * point;
+  const Vec3 about = options.about.empty() ? Vec3::Zero() : placeFrom("--about", options.about);
+  for (Vec3& point : state.cage.points) point = about + turn * (point - about);
   state.workspace_from_clay = (turn * state.workspace_from_clay).normalized();
   document.commit("Turn", state);
   say(options, options.file + ": turned by " + fixed(options.degrees, 1) + " degrees about " + options.axis);
@@ -252,8 +253,7 @@ void addSet(CLI::App& program, int&) {
 }
 
 void addTurn(CLI::App& program, int&) {
-  CLI::App* command =
-      program.add_subcommand("turn", "turn a document's clay about an axis through the middle");
+  CLI::App* command = program.add_subcommand("turn", "turn a document's clay about an axis");
   const auto options = std::make_shared<TurnOptions>();
   addFile(*command, *options);
   command->add_option("--axis", options->axis, "x, y or z, of the world")
@@ -264,6 +264,12 @@ void addTurn(CLI::App& program, int&) {
       ->required()
       ->check(CLI::Range(-360.0, 360.0).description(""))
       ->type_name("A");
+  command
+      ->add_option(
+          "--about", options->about,
+          "where the axis passes: the workspace's centre for what the window does, metres, world [the "
+          "origin]")
+      ->type_name("X,Y,Z");
   addCommonOptions(*command, *options, Uses::kNothing, false);
   command->footer("Example:\n  airclay turn pot.clay --axis z --degrees 90");
   command->callback([options] { runTurn(*options); });

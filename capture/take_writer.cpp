@@ -28,6 +28,13 @@ constexpr const char* kVideoEnding = ".mkv";
 // So many sets, and the files must have grown: OpenCV reports no fault of a write.
 constexpr int kGrowthSets = 30;
 
+/// What cannot be told is no fault.
+std::uintmax_t roomOnDisk(const std::filesystem::path& folder) {
+  std::error_code fault;
+  const std::filesystem::space_info space = std::filesystem::space(folder, fault);
+  return fault ? UINTMAX_MAX : space.available;
+}
+
 PictureSize sizeOf(const Camera& camera) {
   return {camera.width, camera.height};
 }
@@ -197,9 +204,7 @@ std::uint64_t TakeWriter::Parts::bytesOfFiles() const {
 }
 
 void TakeWriter::Parts::checkRoom(int frame) {
-  std::error_code ignored;
-  const std::filesystem::space_info space = std::filesystem::space(folder, ignored);
-  if (!ignored && space.available < kLeastRoomBytes)
+  if (options.room(folder) < kLeastRoomBytes)
     throw Error(folder.string() + ": the disk is full: the recording ends with set " + std::to_string(frame) +
                 ", and what is there can be replayed");
   if (frame == 0 || frame % kGrowthSets != 0) return;
@@ -228,6 +233,7 @@ TakeWriter::TakeWriter(const path& folder, const Rig& rig, const Options& option
   parts_->folder = folder;
   parts_->rig = rig;
   parts_->options = options;
+  if (!options.room) parts_->options.room = roomOnDisk;
   parts_->open();
   parts_->thread = std::thread([parts = parts_.get()] { parts->run(); });
 }

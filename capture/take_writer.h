@@ -2,6 +2,8 @@
 // Writes a take while it happens: the sets of pictures that were used, without loss, on a thread of its own.
 #pragma once
 
+#include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -32,6 +34,8 @@ class TakeWriter {
     /// False: a recording from which the rig will be calibrated. Of the rig only names and sizes count, and
     /// there is no rig.toml.
     bool writes_rig = true;
+    /// How many bytes there is room for on the disk of a folder; none: as the system says.
+    std::function<std::uintmax_t(const std::filesystem::path&)> room;
   };
 
   /// \throw Error when `folder` is there and not empty, or cannot be made or written.

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "engine/renderer.h"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "engine/carve.h"
 #include "engine/error.h"
@@ -96,6 +98,7 @@ std::span<const std::uint8_t> Renderer::bytes() const {
 }
 
 void Renderer::record(Recorder& recorder, const Scene& scene, const View& view) {
+  spent_triangles_ = 0;
   prepare(scene);
   aim(scene, view);
   writeFrame(scene);
@@ -107,6 +110,7 @@ void Renderer::record(Recorder& recorder, const Scene& scene, const View& view) 
   recordShadowMap(recorder, scene);
   recorder.stage("picture: light");
   recordLights(recorder, scene);
+  endPart(recorder);
   recorder.stage("picture: draw");
   recordPicture(recorder, scene);
 }
@@ -207,20 +211,70 @@ void Renderer::writeStrokes(const Scene& scene) {
   }
 }
 
+/// How much more the piece under way may draw: at least one triangle.
+std::uint32_t Renderer::room() const {
+  return options_.triangles_a_piece == 0 ? UINT32_MAX : options_.triangles_a_piece - spent_triangles_;
+}
+
+/// So many triangles, or vertices, were recorded; \pre at most room().
+void Renderer::spend(Recorder& recorder, std::uint32_t count) {
+  if (options_.triangles_a_piece == 0) return;
+  spent_triangles_ += count;
+  if (spent_triangles_ < options_.triangles_a_piece) return;
+  recorder.divide();
+  spent_triangles_ = 0;
+}
+
+/// Between two passes a division costs nothing, inside of one what was drawn must be loaded again.
+void Renderer::endPart(Recorder& recorder) {
+  if (spent_triangles_ > options_.triangles_a_piece / 2) spend(recorder, room());
+}
+
+/// The pass, as several where what it draws is more than a piece has room for.
+void Renderer::drawInPieces(Recorder& recorder, RenderPass pass, const std::vector<Draw>& draws) {
+  std::vector<Draw> piece;
+  std::uint32_t triangles = 0;
+  const auto end = [&] {
+    render(recorder, pass, piece);
+    pass.clear_color.reset();
+    pass.clear_depth.reset();
+    piece.clear();
+    spend(recorder, std::exchange(triangles, 0));
+  };
+  for (Draw rest : draws) {
+    while (rest.indices && rest.vertices / 3 > room() - triangles) {
+      Draw part = rest;
+      part.vertices = 3 * (room() - triangles);
+      rest.first += part.vertices;
+      rest.vertices -= part.vertices;
+      triangles = room();
+      piece.push_back(std::move(part));
+      end();
+    }
+    triangles = std::min(triangles + rest.vertices / 3, room());
+    piece.push_back(std::move(rest));
+  }
+  end();
+}
+
 void Renderer::recordDensities(Recorder& recorder, const Scene& scene) {
   recorder.fill(areas_.raw(), 0);
   for (const LitMesh& mesh : lit_meshes_) {
     const Placed place = placed(mesh.workspace_from_mesh);
     RenderDensityArgs args{};
     args.positions = *mesh.surface.positions;
-    args.triangles = *mesh.surface.triangles;
     args.areas = areas_;
     args.rotation = place.rotation;
     args.translation = place.translation;
-    args.triangle_count = static_cast<std::uint32_t>(mesh.surface.triangles->count() / 3);
     args.edge_m = static_cast<float>(scene.workspace.edge_m);
     args.weight = static_cast<float>(mesh.opacity);
-    recorder.dispatch(pipelines_->density, args, groupsFor(args.triangle_count, kRenderWorkgroup));
+    const auto triangles = static_cast<std::uint32_t>(mesh.surface.triangles->count() / 3);
+    for (std::uint32_t first = 0; first < triangles; first += args.triangle_count) {
+      args.triangles = {mesh.surface.triangles->at(3 * first).address};
+      args.triangle_count = std::min(triangles - first, room());
+      recorder.dispatch(pipelines_->density, args, groupsFor(args.triangle_count, kRenderWorkgroup));
+      spend(recorder, args.triangle_count);
+    }
   }
   constexpr std::uint32_t kCoarsest = kDensityCells / 4;
   recorder.dispatch(pipelines_->density_levels, RenderLevelArgs{areas_, densities_},
@@ -256,7 +310,7 @@ void Renderer::recordShadowMap(Recorder& recorder, const Scene& scene) {
                          static_cast<std::uint32_t>(scene.capsules.size())));
   if (scene.voxels)
     draws.push_back(drawCounted(pipelines_->shadow_voxels, voxelArgs(scene, true), voxels_->counts.raw()));
-  render(recorder, {.depth = &shadow_image_, .clear_depth = 1.0f}, draws);
+  drawInPieces(recorder, {.depth = &shadow_image_, .clear_depth = 1.0f}, draws);
   copyToBuffer(recorder, shadow_image_, shadow_map_.raw());
 }
 
@@ -266,22 +320,27 @@ void Renderer::recordLights(Recorder& recorder, const Scene& scene) {
   args.shadow_map = shadow_map_;
   args.densities = densities_;
   const bool has_grid = scene.hand && scene.hand->skin && !scene.hand->skin->grid().values.empty();
-  const auto light = [&](std::size_t count) {
-    args.count = static_cast<std::uint32_t>(count);
-    recorder.dispatch(pipelines_->light, args, groupsFor(count, kRenderWorkgroup));
+  const auto light = [&](const Buffer<vec3>& positions, const Buffer<vec3>& normals,
+                         const Buffer<VertexLight>& lights, std::size_t first_light) {
+    const auto vertices = static_cast<std::uint32_t>(positions.count());
+    for (std::uint32_t first = 0; first < vertices; first += args.count) {
+      args.positions = {positions.at(first).address};
+      args.normals = {normals.at(first).address};
+      args.lights = {lights.at(first_light + first).address};
+      args.count = std::min(vertices - first, room());
+      recorder.dispatch(pipelines_->light, args, groupsFor(args.count, kRenderWorkgroup));
+      spend(recorder, args.count);
+    }
   };
   for (const LitMesh& mesh : lit_meshes_) {
     const Placed place = placed(mesh.workspace_from_mesh);
     args.hand_grid = {};
     if (has_grid && !mesh.is_hand) args.hand_grid = scene.hand->skin->gridValues();
-    args.positions = *mesh.surface.positions;
-    args.normals = *mesh.surface.normals;
-    args.lights = {lights_.at(mesh.first_light).address};
     args.rotation = place.rotation;
     args.translation = place.translation;
     args.two_sided = mesh.open;
     args.shows_touch = mesh.shows_touch;
-    light(mesh.surface.positions->count());
+    light(*mesh.surface.positions, *mesh.surface.normals, lights_, mesh.first_light);
   }
   args.hand_grid = {};
   args.two_sided = args.shows_touch = 0;
@@ -299,12 +358,9 @@ void Renderer::recordLights(Recorder& recorder, const Scene& scene) {
   }
   if (!scene.ground_z_m) return;
   if (has_grid) args.hand_grid = scene.hand->skin->gridValues();
-  args.positions = ground_positions_;
-  args.normals = ground_normals_;
-  args.lights = {ground_lights_.at(0).address};
   args.rotation *= kGroundHalf * static_cast<float>(scene.workspace.edge_m);
   args.translation.z() = static_cast<float>(*scene.ground_z_m);
-  light(ground_positions_.count());
+  light(ground_positions_, ground_normals_, ground_lights_, 0);
   const auto side = static_cast<std::uint32_t>(options_.ground_vertices);
   recorder.dispatch(pipelines_->ground_cells, RenderGroundArgs{ground_lights_, ground_triangles_, side},
                     groupsFor((side - 1) * (side - 1), kRenderWorkgroup));
@@ -401,7 +457,7 @@ void Renderer::recordPicture(Recorder& recorder, const Scene& scene) {
   } else {
     recordBackdrop(recorder, scene);
   }
-  render(recorder, pass, draws);
+  drawInPieces(recorder, pass, draws);
   if (options_.readback) copyToBuffer(recorder, picture(), pixels_.raw());
 }
 

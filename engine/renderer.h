@@ -202,12 +202,20 @@ struct RendererOptions {
   int shadow_taps = 64;            ///< of the soft shadow's kernel
   int ground_vertices = 64;        ///< along an edge: the ground's light is found at these
   bool readback = true;            ///< pixels() is wanted; else a window copies picture()
+  /// A picture is divided where about so many triangles have been drawn, so that none of its submissions is
+  /// long; 0: it is one submission.
+  std::uint32_t triangles_a_piece = 0;
 
   static constexpr int kMaxPicture = 4096;
 
   /// What a software device can keep up with.
   static RendererOptions live(int width, int height) {
-    return {.width = width, .height = height, .multisample = false, .shadow_map = 512, .shadow_taps = 16};
+    return {.width = width,
+            .height = height,
+            .multisample = false,
+            .shadow_map = 512,
+            .shadow_taps = 16,
+            .triangles_a_piece = 30'000};
   }
 };
 
@@ -218,7 +226,7 @@ class Renderer {
   ~Renderer();
 
   /// Records the picture of a scene; pixels() shows it when the recorded work is done. One picture a
-  /// submission. \pre what was recorded before is done
+  /// submission; a large one may divide it. \pre what was recorded before is done
   void record(Recorder& recorder, const Scene& scene, const View& view);
 
   int width() const { return options_.width; }
@@ -254,6 +262,10 @@ class Renderer {
   void recordLights(Recorder& recorder, const Scene& scene);
   void recordBackdrop(Recorder& recorder, const Scene& scene);
   void recordPicture(Recorder& recorder, const Scene& scene);
+  std::uint32_t room() const;
+  void spend(Recorder& recorder, std::uint32_t count);
+  void endPart(Recorder& recorder);
+  void drawInPieces(Recorder& recorder, RenderPass pass, const std::vector<Draw>& draws);
   RenderMeshArgs meshArgs(const LitMesh& mesh, bool from_light) const;
   RenderCapsuleArgs capsuleArgs(bool from_light) const;
   RenderVoxelArgs voxelArgs(const Scene& scene, bool from_light) const;
@@ -276,7 +288,8 @@ class Renderer {
   Buffer<vec3> stroke_points_;
   Buffer<RenderCapsule> capsules_;
   std::unique_ptr<Voxels> voxels_;
-  std::vector<LitMesh> lit_meshes_;  ///< of the picture being recorded: the hand's parts last
+  std::uint32_t spent_triangles_ = 0;  ///< since the picture was begun or divided
+  std::vector<LitMesh> lit_meshes_;    ///< of the picture being recorded: the hand's parts last
   Buffer<std::uint32_t> pixels_;
 };
 

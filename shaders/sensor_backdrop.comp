@@ -46,7 +46,8 @@ vec3 srgbFromLinear(vec3 c) {
 }
 
 void main() {
-  const uvec2 pixel = uvec2(gl_GlobalInvocationID.x % args.width, gl_GlobalInvocationID.x / args.width);
+  const uint index = args.first_pixel + gl_GlobalInvocationID.x;
+  const uvec2 pixel = uvec2(index % args.width, index / args.width);
   if (pixel.y >= args.height) return;
   vec3 color = vec3(0);
   vec2 shadow_at = vec2(0);
@@ -61,7 +62,7 @@ void main() {
     shadow_at = 0.5 + 0.5 * on_floor / (kShadowHalf * args.edge_m) - 0.5 / float(kShadowCells);  // cells' centres
   }
   const uvec3 steps = uvec3(clamp(color, 0, 1) * vec3(2047, 2047, 1023) + 0.5);
-  const uint at = args.pixels_before + gl_GlobalInvocationID.x;
+  const uint at = args.pixels_before + index;
   args.backdrop.at[at] = steps.r | steps.g << 11 | steps.b << 22;
   args.backdrop.at[args.all_pixels + at] = packUnorm2x16(clamp(shadow_at, 0, 1));
 }

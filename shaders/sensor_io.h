@@ -29,6 +29,7 @@ struct BackdropArgs {
   uint height;
   uint pixels_before;
   uint all_pixels;    // of all cameras
+  uint first_pixel;   // of the band that is drawn
   float edge_m;       // the workspace's
   float floor_z;
   float wall_radius;

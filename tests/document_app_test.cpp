@@ -193,6 +193,12 @@ TEST(DocumentApp, TurnIsARotation) {
   const ClayState back = Document::open(file).state();
   for (std::size_t i = 0; i < tube.points.size(); ++i)
     EXPECT_LT((back.cage.points[i] - tube.points[i]).norm(), 1e-12);
+  outputOf({"turn", file, "--axis", "x", "--degrees", "180", "--about", "0.1,0.2,0.3"});
+  const ClayState upside_down = Document::open(file).state();
+  for (std::size_t i = 0; i < tube.points.size(); ++i) {
+    const Vec3& p = tube.points[i];
+    EXPECT_LT((upside_down.cage.points[i] - Vec3(p.x(), 0.4 - p.y(), 0.6 - p.z())).norm(), 1e-12);
+  }
   expectRefused({"turn", file, "--axis", "w", "--degrees", "90"}, 2, "--axis");
   expectRefused({"turn", file, "--axis", "x"}, 2, "--degrees");
 }

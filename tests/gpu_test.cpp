@@ -166,6 +166,28 @@ TEST(Recorder, ABarrierStandsBeforeEveryRaceAndNowhereElse) {
   EXPECT_EQ(b.download(), std::vector<std::uint32_t>(16, 1));
 }
 
+TEST(Recorder, ADivisionRunsWhatWasRecordedAndTheRestFollows) {
+  Gpu& gpu = testGpu();
+  const Buffer<std::uint32_t> a(gpu, 16, Memory::kHost), b(gpu, 16, Memory::kHost);
+  Recorder recorder(gpu);
+  recorder.begin();
+  recorder.stage("first");
+  recorder.fill(a.raw(), 1);
+  recorder.divide();
+  EXPECT_EQ(a.host()[0], 1u) << "it ran";
+  recorder.stage("second");
+  recorder.copy(a.raw(), b.raw(), 64);
+  recorder.fill(a.raw(), 2);
+  recorder.submitAndWait();
+  EXPECT_EQ(barriers(recorder), (std::vector<bool>{false, true, true}));
+  EXPECT_TRUE(hazards(recorder.commands()).empty());
+  EXPECT_EQ(b.host()[15], 1u);
+  EXPECT_EQ(a.host()[15], 2u);
+  ASSERT_EQ(recorder.stageMs().size(), 2u) << "stages are timed across it";
+  EXPECT_GT(gpu.takeLongestSubmissionMs(), 0);
+  EXPECT_EQ(gpu.takeLongestSubmissionMs(), 0);
+}
+
 TEST(Recorder, HazardsAreThePairsWithoutABarrierBetween) {
   const auto reads = [](std::uint64_t buffer) { return Access{buffer, true, false}; };
   const auto writes = [](std::uint64_t buffer) { return Access{buffer, false, true}; };

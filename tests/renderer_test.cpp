@@ -42,6 +42,8 @@ class Painting {
   }
   const std::vector<std::uint32_t>& pixels() const { return pixels_; }
   const Renderer& renderer() const { return renderer_; }
+  /// Commands of the last picture.
+  std::size_t commands() const { return recorder_.commands().size(); }
 
  private:
   Renderer renderer_;
@@ -381,6 +383,25 @@ TEST(Renderer, TheBackdropIsTheSameDrawnOrCopied) {
     EXPECT_EQ(differing(drawn.paint(scene, fromTheFront(1)).pixels(),
                         copied.paint(scene, fromTheFront(1)).pixels()),
               0);
+  }
+}
+
+TEST(Renderer, APictureInPiecesIsTheSamePicture) {
+  const DrawnMesh ball(testGpu(), sphere(Vec3(0.02, 0, 0), 0.1)), floor(testGpu(), plate(0.2, -0.12));
+  const DrawnMesh skin = DrawnMesh::withDistances(testGpu(), sphere(Vec3(0, -0.1, 0.05), 0.04));
+  Scene scene;
+  scene.ground_z_m = -0.2;
+  scene.meshes = {solid(ball), solid(floor)};
+  scene.hand = SceneHand{&skin, Pose::Identity()};
+  scene.strokes = {cubeEdges(scene.workspace)};
+  RendererOptions options{.width = kWidth, .height = kHeight, .multisample = false};
+  Painting whole(options);
+  const std::vector<std::uint32_t> expected = whole.paint(scene, fromTheFront(0.8)).pixels();
+  for (const std::uint32_t triangles : {1000u, 7001u, 30'000u}) {
+    options.triangles_a_piece = triangles;
+    Painting pieces(options);
+    EXPECT_EQ(differing(pieces.paint(scene, fromTheFront(0.8)).pixels(), expected), 0) << triangles;
+    EXPECT_EQ(pieces.commands() > whole.commands(), triangles < 30'000) << triangles;
   }
 }
 

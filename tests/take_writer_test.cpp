@@ -156,6 +156,32 @@ TEST(TakeWriter, AFullQueueWaitsAndLeavesNothingOut) {
   EXPECT_EQ(Take(folder / "take").frameCount(), sets);
 }
 
+TEST(TakeWriter, AFullDiskEndsItAndWhatIsThereCanBeRead) {
+  const TemporaryFolder folder;
+  int asked = 0;
+  TakeWriter::Options options;
+  options.room = [&](const fs::path&) {
+    return ++asked <= 20 ? 10 * TakeWriter::kLeastRoomBytes : TakeWriter::kLeastRoomBytes - 1;
+  };
+  std::string message;
+  {
+    TakeWriter writer(folder / "take", rig(), options);
+    try {
+      for (int i = 0; i < 40; ++i) writer.write({timesOf(i), noise(rig(), unsigned(i))});
+      writer.finish();
+    } catch (const Error& error) {
+      message = error.what();
+    }
+    EXPECT_EQ(writer.status().fault, message);
+  }
+  EXPECT_EQ(message, (folder / "take").string() +
+                         ": the disk is full: the recording ends with set 20, and what is there can be "
+                         "replayed");
+  Take take(folder / "take");
+  EXPECT_EQ(take.frameCount(), 20);
+  expectNoise(take);
+}
+
 TEST(TakeWriter, AFolderWithSomethingInItIsRefused) {
   const TemporaryFolder folder;
   folder.write("mine.txt", "x");

@@ -49,6 +49,7 @@ class Studio {
       : options_(options),
         settings_(loadSettings()),
         remembered_(settings_),
+        gpu_(gpu),
         window_(gpu, {options.title, settings_.window_width, settings_.window_height}),
         session_(gpu, waking(session), std::move(document)),
         stage_(gpu, session_, options.forearm),
@@ -395,6 +396,7 @@ class Studio {
                        {"grip_barred", snapshot.grip_barred},
                        {"cameras_shown", panels_.insets().size()},
                        {"resident_mb", residentMegabytes()},
+                       {"longest_submission_ms", gpu_.takeLongestSubmissionMs()},
                        {"decode_ms", snapshot.decode_ms},
                        {"troubles", snapshot.troubles},
                        {"skew_ms", snapshot.skew_s ? json(1000 * *snapshot.skew_s) : json()},
@@ -405,6 +407,7 @@ class Studio {
 
   StudioOptions options_;
   StudioSettings settings_, remembered_;
+  Gpu& gpu_;
   Window window_;
   Session session_;
   Stage stage_;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
+#include <utility>
 
 #include "engine/error.h"
 
@@ -346,6 +347,20 @@ void Gpu::submit(VkCommandBuffer commands, VkFence fence, const VkSemaphoreSubmi
   info.pSignalSemaphoreInfos = signal;
   const std::lock_guard lock(queue_mutex_);
   check(vkQueueSubmit2(queue_, 1, &info, fence), "submit work");
+}
+
+void Gpu::noteEnd(Clock::time_point submitted) {
+  const auto now = Clock::now();
+  const std::lock_guard lock(ends_mutex_);
+  // before the end of another one it waited for the queue
+  const auto began = std::max(submitted, last_end_);
+  longest_submission_s_ = std::max(longest_submission_s_, secondsBetween(began, now));
+  last_end_ = now;
+}
+
+double Gpu::takeLongestSubmissionMs() {
+  const std::lock_guard lock(ends_mutex_);
+  return 1000 * std::exchange(longest_submission_s_, 0.0);
 }
 
 void Gpu::waitIdle() {

@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "engine/clock.h"
+
 namespace airclay {
 
 /// What `airclay devices` shows of a device.
@@ -70,6 +72,11 @@ class Gpu {
   void submit(VkCommandBuffer commands, VkFence fence, const VkSemaphoreSubmitInfo* wait = nullptr,
               const VkSemaphoreSubmitInfo* signal = nullptr);
 
+  /// Told by whoever waits for submissions: one of this time has just ended.
+  void noteEnd(Clock::time_point submitted);
+  /// How long the longest submission since the last call ran, milliseconds, as seen by who waited for it.
+  double takeLongestSubmissionMs();
+
   /// Until all that was submitted is done.
   void waitIdle();
 
@@ -115,6 +122,9 @@ class Gpu {
   VkPhysicalDeviceMemoryProperties memory_{};
   DeviceInfo info_;
   std::mutex queue_mutex_;
+  std::mutex ends_mutex_;  ///< of the two that follow
+  Clock::time_point last_end_{};
+  double longest_submission_s_ = 0;
   ValidationMessages messages_;
   mutable std::mutex live_buffers_mutex_;
   std::map<std::uint64_t, LiveBuffer> live_buffers_;

@@ -233,7 +233,7 @@ void render(Recorder& recorder, const RenderPass& pass, const std::vector<Draw>&
                        d.args.data());
     if (d.indices) {
       vkCmdBindIndexBuffer(commands, d.indices->handle(), d.indices->offset(), VK_INDEX_TYPE_UINT32);
-      vkCmdDrawIndexed(commands, d.vertices, d.instances, 0, 0, 0);
+      vkCmdDrawIndexed(commands, d.vertices, d.instances, d.first, 0, 0);
     } else if (d.counts) {
       vkCmdDrawIndirect(commands, d.counts->handle(), d.counts->offset(), 1, 0);
     } else {

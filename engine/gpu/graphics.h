@@ -94,6 +94,7 @@ struct Draw {
   const RawGraphicsPipeline* pipeline = nullptr;  ///< must live until the pass is recorded
   std::vector<unsigned char> args;
   std::uint32_t vertices = 0, instances = 1;
+  std::uint32_t first = 0;  ///< of the indices
   /// Optional: four uints on the device (vertices, instances, 0, 0) that stand for the two above.
   const RawBuffer* counts = nullptr;
   /// Optional: uints that gl_VertexIndex runs through, so that a corner shared by triangles is treated once.

@@ -2,6 +2,7 @@
 #include "engine/gpu/recorder.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "engine/error.h"
 
@@ -72,6 +73,14 @@ void Recorder::begin(Timing timing) {
   timed_ = timing == Timing::kStages;
   commands_.clear();
   stages_.clear();
+  divided_ = false;
+  beginCommands();
+  if (timed_) vkCmdResetQueryPool(command_buffer_, queries_, 0, kMaxStages + 1);
+  // another thread's submission may still use the same buffers; a software device runs in order
+  if (!gpu_.isCpu()) barrier();
+}
+
+void Recorder::beginCommands() {
   tracker_.reset();
   bound_ = VK_NULL_HANDLE;
   // an error may have cut the last recording short, which cannot be begun over
@@ -79,9 +88,16 @@ void Recorder::begin(Timing timing) {
   VkCommandBufferBeginInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
   info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
   check(vkBeginCommandBuffer(command_buffer_, &info), "record commands");
-  if (timed_) vkCmdResetQueryPool(command_buffer_, queries_, 0, kMaxStages + 1);
-  // another thread's submission may still use the same buffers; a software device runs in order
-  if (!gpu_.isCpu()) barrier();
+}
+
+void Recorder::divide() {
+  endCommands();
+  gpu_.submit(command_buffer_, fence_);
+  running_ = true;
+  waitForEnd();
+  beginCommands();
+  barrier();
+  divided_ = true;
 }
 
 void Recorder::stage(const std::string& name) {
@@ -108,8 +124,9 @@ void Recorder::barrier() {
 }
 
 VkCommandBuffer Recorder::commandsFor(const std::string& name, const std::vector<Access>& accesses) {
-  const bool needed = tracker_.needsBarrier(accesses);
+  bool needed = tracker_.needsBarrier(accesses);
   if (needed) barrier();
+  if (std::exchange(divided_, false)) needed = true;  // it stands already
   commands_.push_back({name, accesses, needed});
   return command_buffer_;
 }
@@ -168,10 +185,7 @@ void Recorder::copy(const RawBuffer& from, const RawBuffer& to, std::uint64_t by
   vkCmdCopyBuffer(command_buffer_, from.handle(), to.handle(), 1, &region);
 }
 
-void Recorder::submit(const VkSemaphoreSubmitInfo* wait_for, const VkSemaphoreSubmitInfo* signal) {
-  if (!stages_.empty())
-    vkCmdWriteTimestamp2(command_buffer_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_,
-                         static_cast<std::uint32_t>(stages_.size()));
+void Recorder::endCommands() {
   VkMemoryBarrier2 memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
   memory.srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
   memory.srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
@@ -182,15 +196,27 @@ void Recorder::submit(const VkSemaphoreSubmitInfo* wait_for, const VkSemaphoreSu
   dependency.pMemoryBarriers = &memory;
   vkCmdPipelineBarrier2(command_buffer_, &dependency);
   check(vkEndCommandBuffer(command_buffer_), "record commands");
-
   check(vkResetFences(gpu_.device(), 1, &fence_), "reset a fence");
+  submitted_at_ = Clock::now();
+}
+
+void Recorder::submit(const VkSemaphoreSubmitInfo* wait_for, const VkSemaphoreSubmitInfo* signal) {
+  if (!stages_.empty())
+    vkCmdWriteTimestamp2(command_buffer_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_,
+                         static_cast<std::uint32_t>(stages_.size()));
+  endCommands();
   gpu_.submit(command_buffer_, fence_, wait_for, signal);
   running_ = true;
 }
 
-void Recorder::wait() {
+void Recorder::waitForEnd() {
   check(vkWaitForFences(gpu_.device(), 1, &fence_, VK_TRUE, UINT64_MAX), "wait for the device");
   running_ = false;
+  gpu_.noteEnd(submitted_at_);
+}
+
+void Recorder::wait() {
+  waitForEnd();
   readTimestamps();
 }
 

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/clock.h"
 #include "engine/gpu/buffer.h"
 #include "engine/gpu/kernel.h"
 
@@ -106,7 +107,11 @@ class Recorder {
   /// The accesses that these arguments mean by their shader's declarations.
   std::vector<Access> accessesOf(const std::vector<PointerArgument>& pointers, const void* args) const;
 
-  /// Submits all since begin() as one submission, and waits.
+  /// Runs what is recorded so far, and waits: other threads' submissions that wait for the queue come in
+  /// between. For work that would hold them up for long.
+  void divide();
+
+  /// Submits all since begin(), or since divide(), as one submission, and waits.
   void submitAndWait();
   /// Without waiting for its end; a window's images are waited for and signalled by semaphores.
   void submit(const VkSemaphoreSubmitInfo* wait_for = nullptr, const VkSemaphoreSubmitInfo* signal = nullptr);
@@ -123,6 +128,9 @@ class Recorder {
   void dispatchIndirectRaw(const RawKernel& kernel, const void* args, std::uint32_t bytes,
                            const RawBuffer& groups, std::uint64_t byte_offset);
   void bind(const RawKernel& kernel, const void* args, std::uint32_t bytes);
+  void beginCommands();
+  void endCommands();
+  void waitForEnd();
   void barrier();
   void readTimestamps();
 
@@ -136,6 +144,8 @@ class Recorder {
   VkPipeline bound_ = VK_NULL_HANDLE;
   bool running_ = false;  ///< submitted and not waited for
   bool timed_ = true;
+  bool divided_ = false;  ///< the next command is the first after divide()
+  Clock::time_point submitted_at_;
   HazardTracker tracker_;
   std::vector<RecordedCommand> commands_;
   std::vector<std::string> stages_;
