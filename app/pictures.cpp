@@ -6,13 +6,22 @@
 #include "engine/clay.h"
 
 namespace airclay {
+namespace {
+
+// Of four samples a pixel, on a software device: a window's pictures find room between.
+constexpr std::uint32_t kTrianglesAPiece = 10'000;
+
+}  // namespace
 
 void save(const std::filesystem::path& file, const Picture& picture) {
   writePng(file, picture.size, picture.rgba);
 }
 
 Painter::Painter(Gpu& gpu, PictureSize size)
-    : renderer_(gpu, {.width = size.width, .height = size.height}), recorder_(gpu) {}
+    : renderer_(gpu, {.width = size.width,
+                      .height = size.height,
+                      .triangles_a_piece = gpu.isCpu() ? kTrianglesAPiece : 0}),
+      recorder_(gpu) {}
 
 Picture Painter::paint(const Scene& scene, const View& view) {
   recorder_.begin();
