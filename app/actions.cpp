@@ -20,7 +20,7 @@ constexpr const char* kRules[] = {"catmull-clark", "printed"};
 constexpr const char* kSolves[] = {"all", "touched"};
 // In the order of Deed::What.
 constexpr const char* kDeeds[] = {"stroke", "undo", "redo",     "refine", "form",
-                                  "turn",   "clay", "document", "again"};
+                                  "turn",   "clay", "document", "again",  "empty"};
 
 std::string wordOf(const Symmetry& symmetry) {
   const std::string axes =

@@ -18,6 +18,7 @@
 //                                       12 numbers: world_from_hand, three rows of four; or `nobody`
 //     stroke                            the stroke under way ended here
 //     undo | redo | refine | again      again: the source began anew, the hand is looked for
+//     empty                             the empty workspace is forgotten; frames that teach it anew follow
 //     form LEVEL RULE SOLVE
 //     turn X Y Z RADIANS more|last      clay and planes of symmetry, about an axis through the
 //                                       workspace's centre
@@ -39,7 +40,7 @@ namespace airclay {
 
 /// What was done between two frames.
 struct Deed {
-  enum class What { kEndStroke, kUndo, kRedo, kRefine, kForm, kTurn, kClay, kDocument, kAgain };
+  enum class What { kEndStroke, kUndo, kRedo, kRefine, kForm, kTurn, kClay, kDocument, kAgain, kEmpty };
   What what = What::kUndo;
   int levels = 2;  ///< kForm
   SubdivisionRule rule = SubdivisionRule::kCatmullClark;

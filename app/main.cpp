@@ -64,8 +64,10 @@ int run(int argc, char** argv) {
   addFigures(program, status);
   addBoard(program, status);
   addCalibrate(program, status);
+  addRecalibrate(program, status);
   addCameras(program, status);
   addRecord(program, status);
+  addServe(program, status);
   addRig(program, status);
   addCompare(program, status);
   addBench(program, status);

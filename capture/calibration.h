@@ -4,7 +4,7 @@
 //
 // calibration_lens finds a camera's lens, calibration_chain the cameras' places through the boards that two
 // of them saw at once, calibration_bundle adjusts everything together, calibration_report says how good it
-// is.
+// is. recalibration.h uses them where the lenses are known.
 #pragma once
 
 #include <map>
@@ -41,6 +41,13 @@ struct CalibrationOptions {
 /// A camera needs so many views.
 inline constexpr int kFewestViews = 8;
 
+/// Of fewer views, of a lesser share of the picture, or of fewer views that another camera shares, it is
+/// warned: fewer views leave a lens to chance; a cube that fills the middle of the picture needs no more than
+/// half of it.
+inline constexpr int kFewViews = 20;
+inline constexpr double kPoorCoverage = 0.3;
+inline constexpr int kFewShared = 10;
+
 /// How well one camera is known.
 struct CameraQuality {
   int views = 0;         ///< used
@@ -49,6 +56,7 @@ struct CameraQuality {
   int dropped = 0;       ///< corners that no pose of the board explains, of these views and of others
   double rms_px = 0;     ///< of the used corners' distances from where the rig projects them
   double coverage = 0;  ///< share of the picture, in cells of an eighth of its width, where a corner was seen
+  std::string bare_sides;  ///< of the picture, where hardly any was: "left, top"
   double focal_sigma = 0;  ///< standard deviation of the focal length, relative to it
 };
 

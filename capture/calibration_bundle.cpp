@@ -151,10 +151,17 @@ struct Blocks {
           new ceres::AutoDiffCostFunction<UsualLens, 8, kLensSize>(new UsualLens(bundle.cameras[i])), nullptr,
           lenses[i].data());
     for (std::size_t i = 0; i < bundle.cameras.size(); ++i) holdParts(bundle.cameras[i], i, options);
-    if (problem.HasParameterBlock(cameras[0].data())) problem.SetParameterBlockConstant(cameras[0].data());
+    const std::size_t held = options.fix_cameras ? cameras.size() : options.fix_stands ? 0 : 1;
+    for (std::size_t i = 0; i < held; ++i) hold(cameras[i]);
+    if (options.fix_stands)
+      for (PoseBlock& stand : stands) hold(stand);
   }
 
  private:
+  void hold(PoseBlock& block) {
+    if (problem.HasParameterBlock(block.data())) problem.SetParameterBlockConstant(block.data());
+  }
+
   void addView(const Bundle& bundle, const BundleView& view, const AdjustOptions& options) {
     const auto c = static_cast<std::size_t>(view.camera), s = static_cast<std::size_t>(view.stand);
     const BundleCamera& camera = bundle.cameras[c];
@@ -306,6 +313,26 @@ std::vector<double> focalSigmas(const Bundle& bundle) {
     double values[kLensSize * kLensSize];
     if (covariance.GetCovarianceBlock(lens, lens, values))
       sigmas[i] = std::sqrt(values[0]) / blocks.lenses[i][0];
+  }
+  return sigmas;
+}
+
+std::vector<PoseSigma> poseSigmas(const Bundle& bundle) {
+  AdjustOptions known;
+  known.fix_lenses = known.fix_stands = true;
+  Blocks blocks(bundle, known);
+  ceres::Covariance::Options options;
+  options.num_threads = 2;
+  ceres::Covariance covariance(options);
+  std::vector<PoseSigma> sigmas(bundle.cameras.size());
+  std::vector<std::pair<const double*, const double*>> wanted;
+  for (const PoseBlock& pose : blocks.cameras) wanted.emplace_back(pose.data(), pose.data());
+  if (!covariance.Compute(wanted, &blocks.problem)) return sigmas;
+  for (std::size_t i = 0; i < sigmas.size(); ++i) {
+    Eigen::Matrix<double, kPoseSize, kPoseSize, Eigen::RowMajor> values;
+    covariance.GetCovarianceBlock(wanted[i].first, wanted[i].second, values.data());
+    sigmas[i].turn = std::sqrt(values.topLeftCorner<3, 3>().trace());
+    sigmas[i].place_m = std::sqrt(values.bottomRightCorner<3, 3>().trace());
   }
   return sigmas;
 }

@@ -2,6 +2,8 @@
 // What the parts of the calibration hand to each other; not for others.
 #pragma once
 
+#include <limits>
+
 #include "capture/calibration.h"
 
 namespace airclay {
@@ -42,7 +44,8 @@ enum class Loss { kCauchy, kHuber };
 struct AdjustOptions {
   Loss loss = Loss::kCauchy;
   double loss_scale = 2.4;  ///< in standard deviations: 95 % efficient for Cauchy's (Rey 1983)
-  bool fix_lenses = false;
+  /// Hold all of them; the first camera is held where no stand is.
+  bool fix_lenses = false, fix_cameras = false, fix_stands = false;
   int max_iterations = 60;
   double done = 0;  ///< share of the calibration that lies behind, for workGoesOn()
 };
@@ -63,6 +66,15 @@ double robustCost(const Bundle& bundle, double noise_px);
 
 /// The relative standard deviation of each camera's focal length.
 std::vector<double> focalSigmas(const Bundle& bundle);
+
+/// How surely a camera's pose is known.
+struct PoseSigma {
+  double place_m = std::numeric_limits<double>::infinity();  ///< of the world's origin, as the camera sees it
+  double turn = std::numeric_limits<double>::infinity();     ///< radians
+};
+
+/// The standard deviations of each camera's pose, by its own views of boards that are taken to be known.
+std::vector<PoseSigma> poseSigmas(const Bundle& bundle);
 
 /// A corner counts as long as it is this near, for a camera of this noise.
 double trustedRadius(double noise_px);
@@ -99,9 +111,51 @@ using ViewPoses = std::vector<std::vector<Pose>>;
 /// \throw Error naming cameras that no chain of shared views connects.
 void chainCameras(Bundle& bundle, const ViewPoses& poses, const std::vector<CameraViews>& names);
 
+/// What workGoesOn() is told: finding the lenses takes half of the time.
+inline constexpr double kLensesShare = 0.5;
+
+/// How many good views of the board each camera needs, and how many would be better.
+struct ViewsNeeded {
+  int fewest, better;
+};
+
+/// The views that can be used, camera by camera, those of one frame at one stand; cameras are still to be
+/// added. \throw Error naming a camera with too few.
+Bundle gatherViews(const Board& board, const std::vector<CameraViews>& cameras, const ViewsNeeded& needed);
+
+/// Finds where the cameras and the boards are, from the lenses alone: chains the cameras, then adjusts
+/// everything, trusts the corners that fit, and gives views that contradict others stands of their own.
+/// \throw Error naming cameras that nothing connects.
+void placeAll(Bundle& bundle, const std::vector<CameraViews>& cameras, bool fix_lenses);
+
+/// How many cameras have a trusted view of each stand.
+std::vector<int> sharersOfStands(const Bundle& bundle);
+
+/// How many of each camera's trusted views are of boards that another camera saw at the same time.
+std::vector<int> sharedViews(const Bundle& bundle);
+
+/// A view of the board that the world is to lie on: that of the named frame, or of the first of those that
+/// most cameras see best. \throw Error when no camera sees it in the named one.
+const BundleView& worldView(const Bundle& bundle, std::optional<int> frame);
+
+/// Moves everything into the world in which the board of `view` lies: origin in its middle, x along its rows,
+/// z out of its face.
+void placeWorld(Bundle& bundle, const BundleView& view, const Board& board);
+
 double medianOf(std::vector<double> values);
 
-/// Everything of Calibration but the rig and the world, from the adjusted bundle; warnings are added.
+/// How good it is: everything of Calibration but the rig, the world and the warnings.
+/// \pre calibration.rig is the bundle's
+void measure(const Bundle& bundle, Calibration& calibration);
+
+/// Warns of cameras that don't take their pictures at the same time.
+void warnOfSkew(const Bundle& bundle, std::vector<std::string>& warnings);
+
+/// What a camera's corners are off by where something is wrong: what good webcams and a flat board reach is
+/// half of this.
+inline constexpr double kHighRms_px = 0.7;
+
+/// measure(), the lenses' certainty, and the warnings of a new calibration.
 void report(const Bundle& bundle, Calibration& calibration);
 
 }  // namespace airclay

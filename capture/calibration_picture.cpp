@@ -17,8 +17,21 @@ constexpr double kResidualsLonger = 100;
 const cv::Scalar kPaper(250, 250, 250, 255), kInk(40, 40, 40, 255), kFrame(190, 190, 190, 255),
     kBoard(200, 170, 120, 255), kCube(60, 140, 60, 255), kLens(40, 40, 200, 255), kLeftOver(200, 60, 30, 255);
 
-void write(cv::Mat& picture, const std::string& words, cv::Point place, double size = 0.5) {
-  cv::putText(picture, words, place, cv::FONT_HERSHEY_SIMPLEX, size, kInk, 1, cv::LINE_AA);
+constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
+constexpr double kFontScale = 0.5;
+
+void write(cv::Mat& picture, const std::string& words, cv::Point place) {
+  cv::putText(picture, words, place, kFont, kFontScale, kInk, 1, cv::LINE_AA);
+}
+
+/// Moves the words as far as they would reach over the picture's edges.
+void writeInside(cv::Mat& picture, const std::string& words, cv::Point place) {
+  constexpr int kEdge_px = 4;
+  int below = 0;
+  const cv::Size size = cv::getTextSize(words, kFont, kFontScale, 1, &below);
+  place.x = std::max(std::min(place.x, picture.cols - size.width - kEdge_px), kEdge_px);
+  place.y = std::max(std::min(place.y, picture.rows - below - kEdge_px), kTitle_px + size.height);
+  write(picture, words, place);
 }
 
 /// Draws what lies in the world's plane of two of its axes.
@@ -84,9 +97,7 @@ class PlanView {
     for (const Vec3& point : rim) line({at(eyeOf(camera)), at(point)}, kLens);
     loop(rim, kLens, 1);
     cv::circle(picture_, at(eyeOf(camera)), 4, kLens, cv::FILLED, cv::LINE_AA);
-    cv::Point place = at(eyeOf(camera)) + cv::Point(6, -6);
-    place.x = std::min(place.x, picture_.cols - 9 * static_cast<int>(camera.name.size()) - 4);
-    write(picture_, camera.name, place);
+    writeInside(picture_, camera.name, at(eyeOf(camera)) + cv::Point(6, -6));
   }
 
   cv::Mat picture_;

@@ -75,6 +75,13 @@ struct RecordedCamera {
   std::map<int, int> frame_of_instant;
 };
 
+std::vector<CameraViews> namesAndSizes(const std::vector<RecordedCamera>& cameras) {
+  std::vector<CameraViews> named;
+  for (const RecordedCamera& camera : cameras)
+    named.push_back({camera.name, camera.source->size().width, camera.source->size().height, {}});
+  return named;
+}
+
 /// The camera's frame nearest to each time, where there is one within half of `interval_s`.
 std::map<int, int> nearestFrames(const std::vector<double>& wanted_s, const std::vector<double>& times_s,
                                  double interval_s) {
@@ -216,10 +223,10 @@ namespace {
 class Search {
  public:
   Search(std::vector<RecordedCamera>& cameras, const BoardDetector& detector, std::vector<int> instants)
-      : cameras_(cameras), detector_(detector), instants_(std::move(instants)) {
-    for (const RecordedCamera& camera : cameras)
-      found_.push_back({camera.name, camera.source->size().width, camera.source->size().height, {}});
-  }
+      : cameras_(cameras),
+        detector_(detector),
+        instants_(std::move(instants)),
+        found_(namesAndSizes(cameras)) {}
 
   std::vector<CameraViews> run(int threads) {
     std::vector<std::jthread> workers;
@@ -304,6 +311,9 @@ BoardRecording::~BoardRecording() = default;
 
 int BoardRecording::frameCount() const {
   return parts_->frame_count;
+}
+std::vector<CameraViews> BoardRecording::cameras() const {
+  return namesAndSizes(parts_->cameras);
 }
 const std::vector<std::string>& BoardRecording::notes() const {
   return parts_->notes;

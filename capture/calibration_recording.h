@@ -28,6 +28,8 @@ class BoardRecording {
 
   /// Instants, of which not all cameras need have a frame.
   int frameCount() const;
+  /// Their names and sizes; no views yet.
+  std::vector<CameraViews> cameras() const;
   /// What is unusual but no fault, a line each.
   const std::vector<std::string>& notes() const;
 

@@ -6,21 +6,14 @@
 #include <cstdio>
 #include <set>
 
+#include "capture/board_coverage.h"
 #include "capture/calibration_parts.h"
 
 namespace airclay {
 namespace {
 
-constexpr int kCellsAcross = 8;  // of the picture's width, square
-// What good webcams and a flat board reach is half of this.
-constexpr double kHighRms_px = 0.7;
-// Fewer views leave a lens to chance.
-constexpr int kFewViews = 20;
-// Of the picture; a cube that fills the middle of it needs no more than half.
-constexpr double kPoorCoverage = 0.3;
 // Half a per cent of the focal length moves a point 1 m away by 5 mm along the ray.
 constexpr double kPoorFocal = 0.005;
-constexpr int kFewShared = 10;
 
 std::string percent(double share) {
   char text[32];
@@ -33,49 +26,6 @@ std::string twoDigits(double value) {
   std::snprintf(text, sizeof text, "%.2f", value);
   return text;
 }
-
-/// The cells of a picture in which a corner was seen.
-class Coverage {
- public:
-  explicit Coverage(const Camera& camera)
-      : cell_px_(static_cast<double>(camera.width) / kCellsAcross),
-        rows_(static_cast<int>(std::ceil(camera.height / cell_px_))),
-        cells_(static_cast<std::size_t>(rows_ * kCellsAcross), 0) {}
-
-  void add(const Vec2& pixel) {
-    const int x = std::clamp(static_cast<int>((pixel.x() + 0.5) / cell_px_), 0, kCellsAcross - 1);
-    const int y = std::clamp(static_cast<int>((pixel.y() + 0.5) / cell_px_), 0, rows_ - 1);
-    cells_[static_cast<std::size_t>(y * kCellsAcross + x)] = 1;
-  }
-  double share() const {
-    return static_cast<double>(std::count(cells_.begin(), cells_.end(), 1)) /
-           static_cast<double>(cells_.size());
-  }
-  /// Which quarters of the picture's width and height have fewer covered cells than half of the fullest.
-  std::string emptySides() const {
-    const std::array<int, 4> counts = {countIn(0, 0, 2, rows_), countIn(kCellsAcross - 2, 0, 2, rows_),
-                                       countIn(0, 0, kCellsAcross, 2),
-                                       countIn(0, rows_ - 2, kCellsAcross, 2)};
-    const std::array<int, 4> sizes = {2 * rows_, 2 * rows_, 2 * kCellsAcross, 2 * kCellsAcross};
-    const char* const names[] = {"left", "right", "top", "bottom"};
-    std::string sides;
-    for (std::size_t i = 0; i < 4; ++i)
-      if (3 * counts[i] < sizes[i]) sides += (sides.empty() ? "" : ", ") + std::string(names[i]);
-    return sides;
-  }
-
- private:
-  int countIn(int x, int y, int width, int height) const {
-    int count = 0;
-    for (int v = std::max(y, 0); v < std::min(y + height, rows_); ++v)
-      for (int u = x; u < x + width; ++u) count += cells_[static_cast<std::size_t>(v * kCellsAcross + u)];
-    return count;
-  }
-
-  double cell_px_;
-  int rows_;
-  std::vector<char> cells_;
-};
 
 /// Where the rays through pixels of several cameras meet: the point of the least sum of squared angles.
 std::optional<Vec3> triangulate(const Rig& rig, const std::vector<std::pair<int, Vec2>>& sights) {
@@ -128,16 +78,10 @@ std::optional<double> scaleErrorMm(const Bundle& bundle, const Rig& rig) {
   return 1000 * std::sqrt(sum / count);
 }
 
-std::vector<int> sharersOfStands(const Bundle& bundle) {
-  std::vector<int> sharers(bundle.world_from_board.size(), 0);
-  for (const BundleView& view : bundle.views)
-    sharers[static_cast<std::size_t>(view.stand)] += view.trustedCount() > 0;
-  return sharers;
-}
-
-CameraQuality qualityOf(const Bundle& bundle, int camera, Calibration& calibration, std::string& sides) {
+CameraQuality qualityOf(const Bundle& bundle, int camera, Calibration& calibration) {
   CameraQuality quality;
-  Coverage coverage(calibration.rig.cameras[static_cast<std::size_t>(camera)]);
+  const Camera& of_rig = calibration.rig.cameras[static_cast<std::size_t>(camera)];
+  BoardCoverage coverage({of_rig.width, of_rig.height});
   const std::vector<int> sharers = sharersOfStands(bundle);
   double sum = 0;
   for (const BundleView& view : bundle.views) {
@@ -157,19 +101,19 @@ CameraQuality qualityOf(const Bundle& bundle, int camera, Calibration& calibrati
   }
   if (quality.corners > 0) quality.rms_px = std::sqrt(sum / quality.corners);
   quality.coverage = coverage.share();
-  sides = coverage.emptySides();
+  quality.bare_sides = coverage.emptySides();
   return quality;
 }
 
-void warnOfCamera(const CameraQuality& quality, const std::string& name, const std::string& sides,
-                  std::vector<std::string>& warnings) {
+void warnOfCamera(const CameraQuality& quality, const std::string& name, std::vector<std::string>& warnings) {
   const auto warn = [&](const std::string& text) { warnings.push_back("camera \"" + name + "\": " + text); };
   if (quality.views < kFewViews)
     warn("only " + std::to_string(quality.views) +
          " views of the board are of use; wave it longer before it");
   if (quality.coverage < kPoorCoverage)
     warn("the board was seen in " + percent(quality.coverage) +
-         " of its picture; bring it nearer, and to the edges" + (sides.empty() ? "" : ": " + sides));
+         " of its picture; bring it nearer, and to the edges" +
+         (quality.bare_sides.empty() ? "" : ": " + quality.bare_sides));
   if (quality.rms_px > kHighRms_px)
     warn("corners are off by " + twoDigits(quality.rms_px) +
          " px; a flat, stiff board, moved more slowly in more light, would be better");
@@ -186,7 +130,24 @@ void warnOfCamera(const CameraQuality& quality, const std::string& name, const s
          " views of the board with other cameras; hold it where two of them see it at once");
 }
 
-/// Views of one frame that do not agree where the board was.
+void warnOfRange(const Rig& rig, std::vector<std::string>& warnings) {
+  for (const Camera& camera : rig.cameras)
+    if (!reachesCorners(camera.lens, camera.width, camera.height))
+      warnings.push_back("camera \"" + camera.name +
+                         "\": its lens, as far as it was seen, does not reach the picture's corners, where "
+                         "nothing will count; show it the board there, or try another --lens");
+}
+
+void warnOfCube(const Rig& rig, std::vector<std::string>& warnings) {
+  for (const Camera& camera : rig.cameras)
+    if (!project(camera, rig.workspace.center))
+      warnings.push_back(
+          "camera \"" + camera.name +
+          "\": it does not see the cube's middle; --center X,Y,Z puts it where all cameras look");
+}
+
+}  // namespace
+
 void warnOfSkew(const Bundle& bundle, std::vector<std::string>& warnings) {
   std::map<int, std::set<int>> stands_of_frame;
   std::map<int, int> views_of_frame;
@@ -208,33 +169,11 @@ void warnOfSkew(const Bundle& bundle, std::vector<std::string>& warnings) {
         "record timestamps.csv");
 }
 
-void warnOfRange(const Rig& rig, std::vector<std::string>& warnings) {
-  for (const Camera& camera : rig.cameras)
-    if (!reachesCorners(camera.lens, camera.width, camera.height))
-      warnings.push_back("camera \"" + camera.name +
-                         "\": its lens, as far as it was seen, does not reach the picture's corners, where "
-                         "nothing will count; show it the board there, or try another --lens");
-}
-
-void warnOfCube(const Rig& rig, std::vector<std::string>& warnings) {
-  for (const Camera& camera : rig.cameras)
-    if (!project(camera, rig.workspace.center))
-      warnings.push_back(
-          "camera \"" + camera.name +
-          "\": it does not see the cube's middle; --center X,Y,Z puts it where all cameras look");
-}
-
-}  // namespace
-
-void report(const Bundle& bundle, Calibration& calibration) {
+void measure(const Bundle& bundle, Calibration& calibration) {
   const Rig& rig = calibration.rig;
-  const std::vector<double> sigmas = focalSigmas(bundle);
   double sum = 0, corners = 0;
   for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
-    std::string sides;
-    CameraQuality quality = qualityOf(bundle, static_cast<int>(c), calibration, sides);
-    quality.focal_sigma = sigmas[c];
-    warnOfCamera(quality, rig.cameras[c].name, sides, calibration.warnings);
+    const CameraQuality quality = qualityOf(bundle, static_cast<int>(c), calibration);
     sum += quality.corners * quality.rms_px * quality.rms_px;
     corners += quality.corners;
     calibration.cameras.push_back(quality);
@@ -249,6 +188,16 @@ void report(const Bundle& bundle, Calibration& calibration) {
   const std::vector<int> sharers = sharersOfStands(bundle);
   for (std::size_t i = 0; i < sharers.size(); ++i)
     if (sharers[i] > 1) calibration.world_from_boards.push_back(bundle.world_from_board[i]);
+}
+
+void report(const Bundle& bundle, Calibration& calibration) {
+  const Rig& rig = calibration.rig;
+  measure(bundle, calibration);
+  const std::vector<double> sigmas = focalSigmas(bundle);
+  for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
+    calibration.cameras[c].focal_sigma = sigmas[c];
+    warnOfCamera(calibration.cameras[c], rig.cameras[c].name, calibration.warnings);
+  }
   warnOfSkew(bundle, calibration.warnings);
   warnOfRange(rig, calibration.warnings);
   warnOfCube(rig, calibration.warnings);

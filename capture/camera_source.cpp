@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Sources through OpenCV: V4L2, FFmpeg (files and streams) and GStreamer; numbered pictures through
-// picture_file.
+// Sources through OpenCV: V4L2, FFmpeg (files and streams); numbered pictures through picture_file, RTSP and
+// pipelines through gstreamer_source.
 #include "capture/camera_source.h"
 
 #include <algorithm>
@@ -12,6 +12,7 @@
 #include <opencv2/videoio.hpp>
 
 #include "capture/frame_source.h"
+#include "capture/gstreamer_source.h"
 #include "capture/quiet.h"
 #include "engine/error.h"
 
@@ -43,16 +44,10 @@ class RunningSource : public CameraSource {
  public:
   RunningSource(const NamedSource& camera, const SourceOptions& options) : camera_(camera) {
     quietOpenCv();
-    switch (camera.source.kind) {
-      case SourceKind::kDevice:
-        openDevice(options);
-        break;
-      case SourceKind::kStream:
-        openStream();
-        break;
-      default:
-        openPipeline();
-    }
+    if (camera.source.kind == SourceKind::kDevice)
+      openDevice(options);
+    else
+      openStream();
     size_ = {static_cast<int>(video_.get(cv::CAP_PROP_FRAME_WIDTH)),
              static_cast<int>(video_.get(cv::CAP_PROP_FRAME_HEIGHT))};
     rate_hz_ = saneRate(video_.get(cv::CAP_PROP_FPS));
@@ -71,7 +66,6 @@ class RunningSource : public CameraSource {
     if (!video_.retrieve(decoded) || decoded.empty() || decoded.type() != CV_8UC3)
       throw Error(where(camera_) + "a picture cannot be decoded; 8-bit colour would be right");
     picture.size = {decoded.cols, decoded.rows};
-    if (size_.width == 0) size_ = picture.size;  // some pipelines know it only now
     if (picture.size != size_)
       throw Error(where(camera_) + "the picture's size changed to " + std::to_string(decoded.cols) + " x " +
                   std::to_string(decoded.rows) + "; one size throughout would be right");
@@ -123,17 +117,6 @@ class RunningSource : public CameraSource {
           "no stream answers there; the address of a camera or server that is running would be right");
   }
 
-  void openPipeline() {
-    // Whatever the pipeline ends in, we take from it the newest picture as BGR.
-    std::string pipeline = camera_.source.text;
-    if (pipeline.find("appsink") == std::string::npos)
-      pipeline += " ! videoconvert ! video/x-raw,format=BGR ! appsink drop=true max-buffers=2 sync=false";
-    if (!video_.open(pipeline, cv::CAP_GSTREAMER))
-      throw Error(where(camera_) +
-                  "the GStreamer pipeline cannot be run; words that gst-launch-1.0 runs, with their plugins "
-                  "installed (gstreamer1.0-plugins-base, -good), would be right");
-  }
-
   double captureTime(double arrival_s) {
     const double stream_s = video_.get(cv::CAP_PROP_POS_MSEC) / 1000;
     if (times_ == TimeOrigin::kBuffer) {
@@ -141,8 +124,7 @@ class RunningSource : public CameraSource {
       if (age_s >= 0 && age_s <= kPlausibleBufferAgeS) return stream_s;
       times_ = TimeOrigin::kArrival;  // another clock: of no use beside other cameras
     }
-    // Only streams: a pipeline's position is none of the picture's (OpenCV's issue 19025). MJPEG over HTTP
-    // has no times, or counts frames; what doesn't grow says nothing.
+    // MJPEG over HTTP has no times, or counts frames; what doesn't grow says nothing.
     const bool grows = std::isfinite(stream_s) && stream_s > last_stream_s_;
     last_stream_s_ = stream_s;
     return grows && camera_.source.kind == SourceKind::kStream ? clock_.captureOf(arrival_s, stream_s)
@@ -332,7 +314,10 @@ std::unique_ptr<CameraSource> openSource(const NamedSource& camera, const Source
       return std::make_unique<VideoFileSource>(camera, options.loop);
     case SourceKind::kPictures:
       return std::make_unique<PicturesSource>(camera, options);
+    case SourceKind::kPipeline:
+      return openGStreamerSource(camera);
     default:
+      if (camera.source.text.starts_with("rtsp://")) return openGStreamerSource(camera);
       return std::make_unique<RunningSource>(camera, options);
   }
 }

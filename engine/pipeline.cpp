@@ -203,6 +203,11 @@ std::span<std::uint8_t> Pipeline::picture(std::size_t camera) {
   return parts_->gpu_rig.picture(parts_->pictures.host(), camera);
 }
 
+void Pipeline::forgetBackground() {
+  parts_->silhouettes.forget();
+  parts_->background_changed = false;
+}
+
 void Pipeline::learnBackground() {
   parts_->learn();
 }

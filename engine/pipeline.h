@@ -68,6 +68,8 @@ class Pipeline {
   std::span<std::uint8_t> picture(std::size_t camera);
   /// The pictures now in memory show the empty workspace.
   void learnBackground();
+  /// The empty workspace is another one by now; it is to be learned anew.
+  void forgetBackground();
   /// The pictures now in memory, through all stages.
   /// \pre learnBackground() was called
   FrameResult processPictures(const SculptControls& controls = {});

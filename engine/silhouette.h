@@ -30,6 +30,8 @@ class Silhouettes {
                       const CameraRange& cameras = {});
   void finishLearning(Recorder& recorder, const CameraRange& cameras = {});
   bool learned() const { return learned_; }
+  /// The next frame is the first to learn from.
+  void forget() { learned_frames_ = 0, learned_ = false; }
 
   /// Records segmentation and cleaning of a frame. \pre learned()
   void record(Recorder& recorder, const Buffer<std::uint32_t>& pictures);

@@ -3,6 +3,12 @@
 
 #include <Eigen/SVD>
 #include <cmath>
+#include <functional>
+#include <future>
+#include <opencv2/imgcodecs.hpp>
+
+#include "capture/video_writer.h"
+#include "tests/board_scene.h"
 
 namespace airclay {
 namespace {
@@ -42,12 +48,63 @@ std::optional<Vec3> triangulated(const Rig& truth, const Rig& recovered, const V
   return Vec3(sum.ldlt().solve(right));
 }
 
-double rmsAfterAlignment(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to, double* scale) {
-  const Eigen::Matrix4d rigid = Eigen::umeyama(from, to, false);
-  if (scale) *scale = std::cbrt(Eigen::umeyama(to, from, true).topLeftCorner<3, 3>().determinant());
+/// All at once: drawing takes long.
+void forEachCamera(const Rig& rig, const std::function<void(const Camera&)>& draw) {
+  std::vector<std::future<void>> drawn;
+  for (const Camera& camera : rig.cameras)
+    drawn.push_back(std::async(std::launch::async, [&draw, &camera] { draw(camera); }));
+  for (std::future<void>& one : drawn) one.get();
+}
+
+std::vector<std::uint8_t> pictureOf(const Board& board, const Camera& camera, const std::vector<Pose>& boards,
+                                    std::size_t frame) {
+  BoardShot shot;
+  shot.noise_sigma = 2;
+  shot.seed = static_cast<std::uint32_t>(frame + 1);
+  return drawBoard(board, camera, boards[frame], shot);
+}
+
+/// Points of the true rig's cube where the recovered rig finds them, and where they are.
+struct CubePoints {
+  std::vector<Vec3> found, true_ones;
+
+  Eigen::Matrix3Xd foundMatrix() const { return matrix(found); }
+  Eigen::Matrix3Xd trueMatrix() const { return matrix(true_ones); }
+
+ private:
+  static Eigen::Matrix3Xd matrix(const std::vector<Vec3>& points) {
+    return Eigen::Map<const Eigen::Matrix3Xd>(points[0].data(), 3, static_cast<long>(points.size()));
+  }
+};
+
+/// The points of the middle `share` of the cube's edge.
+CubePoints cubePoints(const Rig& truth, const Rig& recovered, double share) {
+  constexpr int kSteps = 12;
+  CubePoints points;
+  for (int i = 0; i <= kSteps; ++i)
+    for (int j = 0; j <= kSteps; ++j)
+      for (int k = 0; k <= kSteps; ++k) {
+        const Vec3 from_middle = Vec3(i, j, k) / kSteps - Vec3::Constant(0.5);
+        if (from_middle.cwiseAbs().maxCoeff() > share / 2 + 1e-9) continue;
+        const Vec3 point = truth.workspace.center + truth.workspace.edge_m * from_middle;
+        const std::optional<Vec3> found = triangulated(truth, recovered, point);
+        if (found) points.found.push_back(*found), points.true_ones.push_back(point);
+      }
+  return points;
+}
+
+/// true_from_found, the rigid transform of least squares (Umeyama 1991).
+Pose alignment(const CubePoints& points) {
+  Pose pose;
+  pose.matrix() = Eigen::umeyama(points.foundMatrix(), points.trueMatrix(), false);
+  return pose;
+}
+
+double rmsMm(const CubePoints& points, const Pose& true_from_found) {
   const Eigen::Matrix3Xd off =
-      (rigid.topLeftCorner<3, 3>() * from).colwise() + rigid.topRightCorner<3, 1>() - to;
-  return std::sqrt(off.squaredNorm() / static_cast<double>(off.cols()));
+      ((true_from_found.linear() * points.foundMatrix()).colwise() + true_from_found.translation()) -
+      points.trueMatrix();
+  return 1000 * std::sqrt(off.squaredNorm() / static_cast<double>(off.cols()));
 }
 
 }  // namespace
@@ -111,29 +168,61 @@ std::vector<CameraViews> seenCorners(const Rig& rig, const Board& board, const s
   return cameras;
 }
 
+void drawPictures(const std::filesystem::path& folder, const Rig& rig, const Board& board,
+                  const std::vector<Pose>& boards) {
+  forEachCamera(rig, [&](const Camera& camera) {
+    std::filesystem::create_directories(folder / camera.name);
+    for (std::size_t frame = 0; frame < boards.size(); ++frame) {
+      std::vector<std::uint8_t> bgr = pictureOf(board, camera, boards, frame);
+      const cv::Mat picture(camera.height, camera.width, CV_8UC3, bgr.data());
+      cv::imwrite((folder / camera.name / (std::to_string(frame) + ".png")).string(), picture);
+    }
+  });
+}
+
+void drawVideos(const std::filesystem::path& folder, const Rig& rig, const Board& board,
+                const std::vector<Pose>& boards) {
+  forEachCamera(rig, [&](const Camera& camera) {
+    VideoWriter video(folder / (camera.name + ".mp4"),
+                      {.size = {camera.width, camera.height}, .form = VideoWriter::Form::kBgr8});
+    for (std::size_t frame = 0; frame < boards.size(); ++frame)
+      video.write(pictureOf(board, camera, boards, frame));
+    video.finish();
+  });
+}
+
 CubeError cubeError(const Rig& truth, const Rig& recovered) {
-  constexpr int kSteps = 12;
-  std::vector<Vec3> from, to;
-  std::vector<Vec3> central_from, central_to;
-  for (int i = 0; i <= kSteps; ++i)
-    for (int j = 0; j <= kSteps; ++j)
-      for (int k = 0; k <= kSteps; ++k) {
-        const Vec3 share = Vec3(i, j, k) / kSteps - Vec3::Constant(0.5);
-        const Vec3 point = truth.workspace.center + truth.workspace.edge_m * share;
-        const std::optional<Vec3> found = triangulated(truth, recovered, point);
-        if (!found) continue;
-        from.push_back(*found), to.push_back(point);
-        if (share.cwiseAbs().maxCoeff() <= 0.25 + 1e-9)
-          central_from.push_back(*found), central_to.push_back(point);
-      }
-  const auto matrix = [](const std::vector<Vec3>& points) {
-    return Eigen::Matrix3Xd(
-        Eigen::Map<const Eigen::Matrix3Xd>(points[0].data(), 3, static_cast<long>(points.size())));
-  };
+  const CubePoints central = cubePoints(truth, recovered, 0.5), whole = cubePoints(truth, recovered, 1);
   CubeError error;
-  error.central_mm = 1000 * rmsAfterAlignment(matrix(central_from), matrix(central_to), &error.scale);
-  error.whole_mm = 1000 * rmsAfterAlignment(matrix(from), matrix(to), nullptr);
+  error.central_mm = rmsMm(central, alignment(central));
+  error.whole_mm = rmsMm(whole, alignment(whole));
+  const Eigen::Matrix4d similar = Eigen::umeyama(central.trueMatrix(), central.foundMatrix(), true);
+  error.scale = std::cbrt(similar.topLeftCorner<3, 3>().determinant());
   return error;
+}
+
+CubeError cubeErrorInPlace(const Rig& truth, const Rig& recovered) {
+  CubeError error = cubeError(truth, recovered);
+  error.central_mm = rmsMm(cubePoints(truth, recovered, 0.5), Pose::Identity());
+  error.whole_mm = rmsMm(cubePoints(truth, recovered, 1), Pose::Identity());
+  return error;
+}
+
+Rig alignedTo(const Rig& truth, const Rig& recovered) {
+  const Pose recovered_from_true = alignment(cubePoints(truth, recovered, 1)).inverse();
+  Rig aligned = recovered;
+  for (Camera& camera : aligned.cameras)
+    camera.camera_from_world = camera.camera_from_world * recovered_from_true;
+  aligned.workspace = truth.workspace;
+  return aligned;
+}
+
+Camera bumped(Camera camera, const Vec3& by_m, const Vec3& turn) {
+  Pose old_from_new = Pose::Identity();  // of the camera's own frame
+  old_from_new.linear() = rotationFromVector(turn);
+  old_from_new.translation() = by_m;
+  camera.camera_from_world = old_from_new.inverse() * camera.camera_from_world;
+  return camera;
 }
 
 }  // namespace airclay

@@ -3,6 +3,7 @@
 // counts: in the cube.
 #pragma once
 
+#include <filesystem>
 #include <random>
 
 #include "capture/calibration.h"
@@ -27,6 +28,13 @@ std::vector<Pose> wavedBoards(const Rig& rig, const Board& board, const Wave& wa
 std::vector<CameraViews> seenCorners(const Rig& rig, const Board& board, const std::vector<Pose>& boards,
                                      const Wave& wave);
 
+/// Takes pictures of the boards with every camera, noise on them, into `folder`: NAME/0.png and on.
+void drawPictures(const std::filesystem::path& folder, const Rig& rig, const Board& board,
+                  const std::vector<Pose>& boards);
+/// The same into a video NAME.mp4 each, H.264.
+void drawVideos(const std::filesystem::path& folder, const Rig& rig, const Board& board,
+                const std::vector<Pose>& boards);
+
 /// Points of the true rig's cube, seen by the true cameras, triangulated with the recovered rig, rigidly
 /// aligned (Umeyama 1991).
 struct CubeError {
@@ -35,5 +43,14 @@ struct CubeError {
   double scale = 1;       ///< recovered lengths / true ones
 };
 CubeError cubeError(const Rig& truth, const Rig& recovered);
+/// The same without alignment: the recovered rig's world must be the true one's. \pre cameras in one order
+CubeError cubeErrorInPlace(const Rig& truth, const Rig& recovered);
+
+/// The recovered rig in the true one's world, aligned as for cubeError() over the whole cube, with its cube.
+Rig alignedTo(const Rig& truth, const Rig& recovered);
+
+/// A camera that was pushed by `by_m`, metres, and turned by the rotation vector `turn`, radians, both in its
+/// own frame.
+Camera bumped(Camera camera, const Vec3& by_m, const Vec3& turn);
 
 }  // namespace airclay

@@ -7,15 +7,22 @@
 #include <algorithm>
 #include <cmath>
 #include <csignal>
+#include <iostream>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <opencv2/imgcodecs.hpp>
 
 #include "capture/calibration_recording.h"
+#include "capture/synthetic.h"
 #include "engine/error.h"
+#include "engine/pipeline.h"
 #include "tests/board_scene.h"
 #include "tests/calibration_scene.h"
+#include "tests/gpu_fixture.h"
+#include "tests/hand_scene.h"
 #include "tests/program.h"
 #include "tests/scene.h"
+#include "tests/small_take.h"
 #include "tests/temporary_folder.h"
 
 namespace airclay {
@@ -252,18 +259,8 @@ TEST(Calibration, camerasThatAreNotSynchronisedAreSaidSo) {
 class RecordingTest : public testing::Test {
  protected:
   void draw(const Scene& scene, int frames) {
-    for (const Camera& camera : scene.rig.cameras) {
-      std::filesystem::create_directories(folder / camera.name);
-      for (int frame = 0; frame < frames; ++frame) {
-        BoardShot shot;
-        shot.noise_sigma = 2;
-        shot.seed = static_cast<std::uint32_t>(frame + 1);
-        std::vector<std::uint8_t> bgr =
-            drawBoard(scene.board, camera, scene.boards[std::size_t(frame)], shot);
-        const cv::Mat picture(camera.height, camera.width, CV_8UC3, bgr.data());
-        cv::imwrite((folder.path() / camera.name / (std::to_string(frame) + ".png")).string(), picture);
-      }
-    }
+    drawPictures(folder.path(), scene.rig, scene.board,
+                 {scene.boards.begin(), scene.boards.begin() + frames});
   }
   TemporaryFolder folder;
 };
@@ -334,6 +331,72 @@ TEST_F(RecordingTest, theProgramWritesTheRig) {
   hasty.terminate_after_ms = 200;
   EXPECT_EQ(run({}, hasty).status, 128 + SIGTERM);
   EXPECT_FALSE(std::filesystem::exists(rig));
+}
+
+/// The hand in the cameras of a rig, followed as if they were those of `believed`.
+class Follower {
+ public:
+  explicit Follower(const Rig& believed) : pipeline_(testGpu(), believed, builtInHand(false)) {
+    for (std::size_t c = 0; c < believed.cameras.size(); ++c) pictures.push_back(pipeline_.picture(c));
+  }
+  void learn() { pipeline_.learnBackground(); }
+  void follow(const Pose& truth) {
+    const FrameResult result = pipeline_.trackPictures();
+    EXPECT_EQ(result.hand, HandState::kTracked);
+    errors_mm.push_back(1000 * poseError(result.fit.world_from_hand, truth, Vec3::Zero()).shift_m);
+  }
+
+  std::vector<std::span<std::uint8_t>> pictures;  ///< where the next ones go
+  std::vector<double> errors_mm;                  ///< of the hand's place, frame by frame
+
+ private:
+  Pipeline pipeline_;
+};
+
+double median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(values.size() / 2), values.end());
+  return values[values.size() / 2];
+}
+
+double mean(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+// What calibrating costs in the end: the hand is found as well as if the cameras were known exactly.
+TEST_F(RecordingTest, theRecoveredRigTracksTheHandAsTheTrueOneDoes) {
+  SyntheticOptions options;
+  options.script = smallTakeScript();
+  const Rig& truth = options.rig;
+  const Board board = a3Board();
+  drawVideos(folder.path(), truth, board, wavedBoards(truth, board, {}));
+  BoardRecording recording(folder.path());
+  const Calibration found = calibrate(board, recording.findBoards(BoardDetector(board)));
+  Rig recovered;  // in the true rig's order
+  for (const Camera& camera : truth.cameras)
+    recovered.cameras.push_back(
+        *std::find_if(found.rig.cameras.begin(), found.rig.cameras.end(),
+                      [&](const Camera& other) { return other.name == camera.name; }));
+  const CubeError error = cubeError(truth, recovered);
+  Synthetic take(testGpu(), options);
+  Follower with_truth(truth), with_recovered(alignedTo(truth, recovered));
+  for (int frame = 0; frame < take.backgroundFrames() + 20; ++frame) {
+    ASSERT_TRUE(take.readPictures(frame, with_truth.pictures));
+    for (std::size_t c = 0; c < with_truth.pictures.size(); ++c)
+      std::copy(with_truth.pictures[c].begin(), with_truth.pictures[c].end(),
+                with_recovered.pictures[c].begin());
+    const int seen = frame - take.backgroundFrames();
+    for (Follower* follower : {&with_truth, &with_recovered})
+      if (seen < 0)
+        follower->learn();
+      else
+        follower->follow(take.truth()->at(std::size_t(seen)).world_from_hand);
+  }
+  std::cout << "corners " << found.rms_px << " px RMS; cube " << error.central_mm << " mm, whole "
+            << error.whole_mm << " mm\nthe hand is off by " << median(with_truth.errors_mm) << " mm (mean "
+            << mean(with_truth.errors_mm) << ") with the true rig, by " << median(with_recovered.errors_mm)
+            << " mm (mean " << mean(with_recovered.errors_mm) << ") with the recovered one\n";
+  EXPECT_LE(median(with_recovered.errors_mm) - median(with_truth.errors_mm), 0.2);
+  EXPECT_LE(mean(with_recovered.errors_mm) - mean(with_truth.errors_mm), 0.2);
 }
 
 TEST_F(RecordingTest, timestampsSayWhichFramesAreOneInstant) {

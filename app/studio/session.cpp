@@ -226,11 +226,18 @@ bool Session::frameFromRecording() {
     return false;
   }
 
+  if (still_to_learn_ > 0 && set_.absent != 0) {  // it would teach a camera another instant
+    reader_->ask();
+    return true;
+  }
   const DoneFrame* replayed = replayedFrame(set_.frame);
   const double step_s =
       set_.frame > 0 && last_frame_s_ >= 0 ? set_.time_s - last_frame_s_ : 1 / recording.rateHz();
   DoneFrame done = replayed ? *replayed : wishesNow(set_.time_s, step_s);
-  if (!replayed) done.learned = set_.frame < recording.backgroundFrames();
+  if (!replayed) {
+    done.learned = set_.frame < recording.backgroundFrames() || still_to_learn_ > 0;
+    still_to_learn_ = std::max(0, still_to_learn_ - 1);
+  }
   if (!replayed) done.absent = set_.absent;
   Snapshot next;
   next.frame = set_.frame;

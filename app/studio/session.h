@@ -162,6 +162,8 @@ class Session {
   void openDocument(const std::filesystem::path& file);
   void replaceClay(const ClayState& state, const std::string& name);
   void restartTake();
+  /// Of cameras that run: the next sets show the empty workspace, which has changed.
+  void learnAgain();
   void pauseTake(bool paused);
 
   /// The clay as it lies on the device, and its form; `look` must submit all that it records before it
@@ -256,6 +258,7 @@ class Session {
   enum class Grip { kFree, kSeen, kBarred };
   Grip grip_ = Grip::kFree;
   int learned_frames_ = 0;
+  int still_to_learn_ = 0;         ///< of cameras that run: so many sets more show the empty workspace
   std::vector<FrameSet> learned_;  ///< kept for a recording that begins later; up to kKeptLearnedBytes
   std::size_t learned_bytes_ = 0;
   std::optional<SessionRecorder> recorder_;

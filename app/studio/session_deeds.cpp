@@ -136,6 +136,10 @@ void Session::restartTake() {
   if (reader_ && !isLive()) act({.what = Deed::What::kAgain});
 }
 
+void Session::learnAgain() {
+  if (isLive()) act({.what = Deed::What::kEmpty});
+}
+
 void Session::startRecording(const std::filesystem::path& folder) {
   post([this, folder] {
     refuseWhileReplaying();
@@ -185,6 +189,14 @@ void Session::perform(const Deed& deed) {
     case Deed::What::kAgain:
       if (reader_ && !options_.replay) reader_->restart();
       forgetHand();
+      break;
+    case Deed::What::kEmpty:
+      pipeline_.forgetBackground();
+      forgetHand();
+      learned_.clear();
+      learned_bytes_ = 0;
+      learned_frames_ = 0;
+      if (!options_.replay) still_to_learn_ = options_.recording->backgroundFrames();
       break;
     case Deed::What::kClay:
     case Deed::What::kDocument:

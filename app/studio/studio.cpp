@@ -204,7 +204,11 @@ class Studio {
           key(GLFW_KEY_C, "C", "cameras", [this] { settings_.show_cameras ^= true; }),
           key(GLFW_KEY_TAB, "Tab", "panels", [this] { settings_.show_panels ^= true; }),
           key(GLFW_KEY_F1, "F1", "this help", [this] { show_help_ = !show_help_; })}}};
-    if (session_.hasRecording() && !session_.isLive())
+    if (session_.isLive())
+      keys_.push_back({"Cameras",
+                       {key(GLFW_KEY_E, "E", "learn the empty workspace again: hand and arm away",
+                            [this] { session_.learnAgain(); })}});
+    else if (session_.hasRecording())
       keys_.push_back(
           {"Recording",
            {key(GLFW_KEY_BACKSPACE, "Backspace", "from the start", [this] { session_.restartTake(); }),
