@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
+#include "app/board_words.h"
 #include "engine/error.h"
 #include "engine/mesh_file.h"
 
@@ -14,12 +15,12 @@ namespace {
   throw Error(option + " " + words + ": " + right + " would be right", Fault::kUsage);
 }
 
-/// A whole number of pixels.
-int sideOf(const std::string& text, const std::string& mode) {
-  const std::optional<double> side = parseNumber(text);
-  if (!side || *side != static_cast<int>(*side) || *side < kMinPictureSide || *side > kMaxPictureSide)
-    refuse("--mode", mode, "WIDTHxHEIGHT or WIDTHxHEIGHT@HZ, as 640x480@30,");
-  return static_cast<int>(*side);
+PictureSize sizeOf(const std::string& words) {
+  const auto [width, height] = pairOf("--mode", words);
+  if (std::min(width, height) < kMinPictureSide || std::max(width, height) > kMaxPictureSide)
+    refuse("--mode", words,
+           "sides from " + std::to_string(kMinPictureSide) + " to " + std::to_string(kMaxPictureSide));
+  return {width, height};
 }
 
 }  // namespace
@@ -44,10 +45,10 @@ SourceOptions CameraWords::sourceOptions() const {
   options.exposure = exposure;
   options.gain = gain;
   options.loop = loop;
+  options.size = usual_size;
   if (mode.empty()) return options;
-  const std::size_t at = mode.find('@'), x = mode.find('x');
-  if (x == std::string::npos) sideOf("", mode);
-  options.size = PictureSize{sideOf(mode.substr(0, x), mode), sideOf(mode.substr(x + 1, at - x - 1), mode)};
+  const std::size_t at = mode.find('@');
+  options.size = sizeOf(mode.substr(0, at));
   if (at == std::string::npos) return options;
   options.rate_hz = parseNumber(mode.substr(at + 1));
   if (!options.rate_hz || !(*options.rate_hz > 0 && *options.rate_hz <= 1000))

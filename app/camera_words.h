@@ -21,6 +21,7 @@ struct CameraWords {
   std::string mode, format;          ///< 640x480 or 640x480@30; MJPG
   std::optional<double> exposure, gain, max_skew_ms;
   bool loop = false;
+  std::optional<PictureSize> usual_size;  ///< where no mode is given: the rig's
 
   bool given() const { return !cameras.empty(); }
   /// \throw Error (Fault::kUsage) naming a word that is malformed, or a name that is there twice

@@ -13,6 +13,7 @@
 #include "app/progress.h"
 #include "capture/v4l2_devices.h"
 #include "engine/error.h"
+#include "engine/median.h"
 
 namespace airclay {
 namespace {
@@ -85,12 +86,7 @@ struct SetFigures {
     ++(set.complete ? sets : incomplete);
     skews_s.push_back(set.skew_s);
   }
-  double median() const {
-    if (skews_s.empty()) return 0;
-    std::vector<double> sorted = skews_s;
-    std::nth_element(sorted.begin(), sorted.begin() + static_cast<long>(sorted.size() / 2), sorted.end());
-    return sorted[sorted.size() / 2];
-  }
+  double usual() const { return median(skews_s); }
   double worst() const { return skews_s.empty() ? 0 : *std::max_element(skews_s.begin(), skews_s.end()); }
 };
 
@@ -141,7 +137,7 @@ class Table {
 std::string summary(const SetFigures& figures, const LiveCameras& cameras) {
   if (figures.sets + figures.incomplete > 0)
     return std::to_string(figures.sets) + " sets, " + std::to_string(figures.incomplete) +
-           " without some camera, skew " + fixed(1000 * figures.median(), 1) + " ms (worst " +
+           " without some camera, skew " + fixed(1000 * figures.usual(), 1) + " ms (worst " +
            fixed(1000 * figures.worst(), 1) + " of " + fixed(1000 * cameras.maxSkew(), 1) + " allowed)";
   if (const std::optional<double> skew_s = cameras.refusedSkew())
     return "no set: the pictures are " + fixed(1000 * *skew_s, 1) + " ms apart, " +
@@ -173,7 +169,7 @@ Json watch(const CamerasOptions& options, const std::vector<NamedSource>& source
   return {{"cameras", statusJson(status, sources)},
           {"sets", figures.sets},
           {"incomplete", figures.incomplete},
-          {"skew_ms", {{"median", 1000 * figures.median()}, {"worst", 1000 * figures.worst()}}}};
+          {"skew_ms", {{"median", 1000 * figures.usual()}, {"worst", 1000 * figures.worst()}}}};
 }
 
 // -------------------------------------------------------------------------------------------- the command

@@ -93,6 +93,10 @@ std::string fixed(double value, int digits) {
   return text;
 }
 
+std::string counted(std::size_t count, const std::string& thing) {
+  return std::to_string(count) + " " + thing + (count == 1 ? "" : "s");
+}
+
 Vec3 placeFrom(const std::string& option, const std::string& text) {
   std::vector<double> values;
   std::size_t start = 0;

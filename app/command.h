@@ -55,6 +55,9 @@ void printTable(const std::vector<std::vector<std::string>>& rows);
 /// `value` with `digits` after the point.
 std::string fixed(double value, int digits);
 
+/// "1 camera", "4 cameras".
+std::string counted(std::size_t count, const std::string& thing);
+
 /// X,Y,Z, the value of `option`. \throw Error (Fault::kUsage)
 Vec3 placeFrom(const std::string& option, const std::string& text);
 
@@ -82,6 +85,7 @@ void addBoard(CLI::App& program, int& status);
 void addCalibrate(CLI::App& program, int& status);
 void addRecalibrate(CLI::App& program, int& status);
 void addCameras(CLI::App& program, int& status);
+void addOffsets(CLI::App& program, int& status);
 void addRecord(CLI::App& program, int& status);
 void addServe(CLI::App& program, int& status);
 void addRig(CLI::App& program, int& status);

@@ -38,10 +38,6 @@ struct TurnOptions : DocumentOptions {
   double degrees = 0;
 };
 
-std::string counted(std::size_t count, const std::string& thing) {
-  return std::to_string(count) + " " + thing + (count == 1 ? "" : "s");
-}
-
 /// The document's own ending shows what it is, and a slip of the keyboard makes no cage.obj a database.
 void checkEnding(const std::string& file) {
   if (!file.ends_with(".clay"))

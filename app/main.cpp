@@ -66,6 +66,7 @@ int run(int argc, char** argv) {
   addCalibrate(program, status);
   addRecalibrate(program, status);
   addCameras(program, status);
+  addOffsets(program, status);
   addRecord(program, status);
   addServe(program, status);
   addRig(program, status);

@@ -11,6 +11,7 @@
 #include "app/progress.h"
 #include "capture/take_writer.h"
 #include "engine/error.h"
+#include "engine/median.h"
 
 namespace airclay {
 namespace {
@@ -180,9 +181,7 @@ void Recorder::run() {
 
 double Recorder::skewMs(bool worst) const {
   if (skews_s_.empty()) return 0;
-  std::vector<double> sorted = skews_s_;
-  std::sort(sorted.begin(), sorted.end());
-  return 1000 * (worst ? sorted.back() : sorted[sorted.size() / 2]);
+  return 1000 * (worst ? *std::max_element(skews_s_.begin(), skews_s_.end()) : median(skews_s_));
 }
 
 Json Recorder::figures() const {

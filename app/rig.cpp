@@ -36,10 +36,6 @@ struct CheckOptions : RigOptions {
   int background_frames = 10;
 };
 
-std::string counted(std::size_t count, const std::string& thing) {
-  return std::to_string(count) + " " + thing + (count == 1 ? "" : "s");
-}
-
 /// --center and --edge, where they were given.
 void moveWorkspace(const RigOptions& options, RigReading& reading) {
   if (options.edge_m > 0) reading.rig.workspace.edge_m = options.edge_m;

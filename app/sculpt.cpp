@@ -178,10 +178,9 @@ void sculptWithout(Gpu& gpu, Job& job, const SculptOptions& options, Document do
   sculptHeadless(gpu, job.session, job.sculpting, controlsFrom(options), std::move(document), options);
 }
 
-void sculptRecording(const SculptOptions& options, Recording& recording) {
+void sculptRecording(Gpu& gpu, const SculptOptions& options, Recording& recording) {
   const Workspace& workspace = recording.rig().workspace;
   Job job = jobFor(options, &recording, recording.rig());
-  CommandGpu gpu(options);
   if (wantsWindow(options)) {
     sculptInWindow(gpu, job.session, options, {.forearm = job.sculpting.forearm, .log = options.log});
     return;
@@ -195,7 +194,8 @@ void sculptRecording(const SculptOptions& options, Recording& recording) {
 void sculptTake(const SculptOptions& options) {
   Take take = options.take.open();
   controlsFrom(options);  // refused before anything is opened
-  sculptRecording(options, take);
+  CommandGpu gpu(options);
+  sculptRecording(gpu, options, take);
 }
 
 /// With cameras that run.
@@ -208,12 +208,12 @@ void sculptLive(const SculptOptions& options) {
   controlsFrom(options);  // refused before anything is opened
   const Rig rig = readRig(options.rig, unitsOf(options.take.units));
   CameraWords words = options.cameras;
-  if (words.mode.empty())  // devices are asked for the rig's pictures
-    words.mode = std::to_string(rig.cameras[0].width) + "x" + std::to_string(rig.cameras[0].height);
+  words.usual_size = PictureSize{rig.cameras[0].width, rig.cameras[0].height};
+  CommandGpu gpu(options);  // takes half a second, in which cameras would run for nobody
   LiveRecording recording(rig, words.live(inOrderOf(rig, words.sources())),
                           words.liveOptions(LiveOptions::Sets::kNewest), options.take.background_frames);
   say(options, "keep hand and arm away until the empty workspace is learned");
-  sculptRecording(options, recording);
+  sculptRecording(gpu, options, recording);
 }
 
 /// Without cameras: mouse and keys move a hand.

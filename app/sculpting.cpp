@@ -9,6 +9,7 @@
 #include "app/tracking.h"
 #include "capture/video_writer.h"
 #include "engine/clay.h"
+#include "engine/median.h"
 #include "engine/mesh_file.h"
 
 namespace airclay {

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "app/command.h"
+#include "engine/median.h"
 
 namespace airclay {
 namespace {
@@ -16,13 +17,6 @@ double worst(const std::vector<double>& values) {
 }
 
 }  // namespace
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  const std::size_t middle = values.size() / 2;
-  return values.size() % 2 ? values[middle] : (values[middle - 1] + values[middle]) / 2;
-}
 
 std::optional<Pose> poseAt(const std::vector<TimedPose>& poses, double time_s, double frame_s) {
   const auto after = std::lower_bound(poses.begin(), poses.end(), time_s,

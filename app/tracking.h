@@ -38,7 +38,4 @@ class Tracking {
 /// The pose of `poses` nearest in time, not farther than half of `frame_s`.
 std::optional<Pose> poseAt(const std::vector<TimedPose>& poses, double time_s, double frame_s);
 
-/// The middle value, the mean of the two middle ones of an even count; 0 of none.
-double median(std::vector<double> values);
-
 }  // namespace airclay

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "capture/board_light.h"
+#include "engine/median.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,12 +15,6 @@ constexpr double kFarthest_px = 6;
 constexpr double kOfMargin = 0.6, kOfPlainSquare = 0.4;
 constexpr int kProfiles = 7;  // beside each other, along the middle third of an edge
 constexpr double kLeastContrast = 10;
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Grey values between the pixels.
 class Grey {

@@ -12,6 +12,7 @@
 #include "capture/calibration_parts.h"
 #include "engine/error.h"
 #include "engine/long_work.h"
+#include "engine/median.h"
 
 namespace airclay {
 namespace {
@@ -232,12 +233,6 @@ class StillWanted : public ceres::IterationCallback {
 
 }  // namespace
 
-double medianOf(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 int BundleView::trustedCount() const {
   return static_cast<int>(std::count(trusted.begin(), trusted.end(), char{1}));
 }
@@ -284,7 +279,7 @@ double robustNoise(const Bundle& bundle, int camera) {
         if (view.trusted[i]) lengths.push_back(residualOf(bundle, view, i).norm());
   if (lengths.empty()) return 1;
   // The length of two coordinates of deviation 1 has the median sqrt(2 ln 2) (Rayleigh's distribution).
-  return std::max(medianOf(std::move(lengths)) / std::sqrt(2 * std::log(2.0)), kLeastNoise_px);
+  return std::max(median(std::move(lengths)) / std::sqrt(2 * std::log(2.0)), kLeastNoise_px);
 }
 
 double robustCost(const Bundle& bundle, double noise_px) {

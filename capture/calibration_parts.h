@@ -142,8 +142,6 @@ const BundleView& worldView(const Bundle& bundle, std::optional<int> frame);
 /// z out of its face.
 void placeWorld(Bundle& bundle, const BundleView& view, const Board& board);
 
-double medianOf(std::vector<double> values);
-
 /// How good it is: everything of Calibration but the rig, the world and the warnings.
 /// \pre calibration.rig is the bundle's
 void measure(const Bundle& bundle, Calibration& calibration);

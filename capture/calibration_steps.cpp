@@ -7,6 +7,7 @@
 
 #include "capture/calibration_parts.h"
 #include "engine/error.h"
+#include "engine/median.h"
 
 namespace airclay {
 namespace {
@@ -23,7 +24,7 @@ std::vector<Pose> steadyPoses(const Lens& lens, BundleView view) {
     const std::optional<Vec2> projected = projectThroughLens(lens, poses[0] * view.corners[i]);
     errors.push_back(projected ? (*projected - view.pixels[i]).norm() : 1e6);
   }
-  const double usual = medianOf(errors);
+  const double usual = median(errors);
   for (std::size_t i = 0; i < errors.size(); ++i) view.trusted[i] = errors[i] <= 3 * usual;
   const std::vector<Pose> again = boardPoses(lens, view);
   return again.empty() ? poses : again;
@@ -40,7 +41,7 @@ void separate(Bundle& bundle, const ViewPoses& poses, double patience_px) {
     const BundleCamera& camera = bundle.cameras[static_cast<std::size_t>(view.camera)];
     int& sharing = sharers[static_cast<std::size_t>(view.stand)];
     const double limit_px = std::max(trustedRadius(camera.noise_px), patience_px);
-    if (sharing < 2 || medianOf(residualLengths(bundle, view)) <= limit_px) continue;
+    if (sharing < 2 || median(residualLengths(bundle, view)) <= limit_px) continue;
     --sharing;
     view.stand = static_cast<int>(bundle.world_from_board.size());
     bundle.world_from_board.push_back(camera.camera_from_world.inverse() * poses[i][0]);

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "engine/error.h"
+#include "engine/median.h"
 
 namespace airclay {
 namespace {
@@ -43,8 +44,7 @@ struct Range {
 double medianPeriod(const std::vector<double>& times_s) {
   std::vector<double> periods;
   for (std::size_t i = 1; i < times_s.size(); ++i) periods.push_back(times_s[i] - times_s[i - 1]);
-  std::nth_element(periods.begin(), periods.begin() + static_cast<long>(periods.size() / 2), periods.end());
-  return periods[periods.size() / 2];
+  return median(std::move(periods));
 }
 
 /// The value at `time_s` of the quadratic that fits the centroids around it best, weighted by a Gaussian.

@@ -12,6 +12,7 @@
 #include "engine/bench_peers.h"
 #include "engine/demo_scene.h"
 #include "engine/error.h"
+#include "engine/median.h"
 #include "engine/pipeline.h"
 #include "engine/presets.h"
 #include "engine/sculptor.h"
@@ -34,12 +35,6 @@ double wallMs(Work work) {
   const auto start = std::chrono::steady_clock::now();
   work();
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 double sumMs(const StageTimes& stage_ms) {

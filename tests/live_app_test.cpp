@@ -2,6 +2,9 @@
 // `airclay sculpt` with cameras that run: folders of pictures, played in real time as cameras would.
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+#include <sstream>
+
 #include "capture/poses_file.h"
 #include "engine/mesh_file.h"
 #include "engine/presets.h"
@@ -17,7 +20,7 @@ using Words = std::vector<std::string>;
 
 // The program has to be ready before the hand comes: 12 s, for the validation layer and a loaded machine. And
 // the hand waits to be found, which takes a software device half a second.
-constexpr SmallTake kUnhurried{.empty_frames = 360, .slower = 6};
+const SmallTake kUnhurried{.empty_frames = 360, .slower = 6};
 
 class LiveApp : public testing::Test {
  protected:
@@ -73,6 +76,35 @@ TEST_F(LiveApp, CamerasThatRunAreSculptedWith) {
   EXPECT_EQ(again.status, 0) << again.errors;
   EXPECT_EQ(contentOf(folder / "out/cage.obj"), contentOf(folder / "again/cage.obj"));
   EXPECT_EQ(contentOf(folder / "out/surface.obj"), contentOf(folder / "again/surface.obj"));
+}
+
+TEST_F(LiveApp, ClocksThatDifferAreTold) {
+  // to and fro about the cube, no way like another
+  SmallTake free;
+  for (int i = 0; i < 12; ++i)
+    free.way.emplace_back(0.08 * std::sin(2.1 * i), 0.06 * std::cos(1.3 * i), 0.05 * std::sin(0.9 * i * i));
+  const int frames = writeSmallTake(folder / "take", free);
+  const std::vector<Camera> cameras = readRig(at("take/rig.toml")).cameras;
+  const std::vector<double> offsets_s = {0, 0.004, -0.006, 0.009};
+  ASSERT_EQ(cameras.size(), offsets_s.size());
+  std::ostringstream times;
+  times.precision(12);
+  times << "cam_id,frame_time\n";
+  for (int frame = 0; frame < frames; ++frame)
+    for (std::size_t c = 0; c < cameras.size(); ++c)
+      times << cameras[c].name << "," << frame / 30.0 + offsets_s[c] << "\n";
+  folder.write("take/timestamps.csv", times.str());
+  const Ran ran = runAirclay({"offsets", at("take"), "--json"});
+  ASSERT_EQ(ran.status, 0) << ran.errors;
+  const nlohmann::json said = nlohmann::json::parse(ran.output);
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    EXPECT_EQ(said["cameras"][c]["name"], cameras[c].name);
+    EXPECT_NEAR(said["cameras"][c]["offset_ms"].get<double>(), 1000 * offsets_s[c], 2) << c;
+  }
+  std::filesystem::remove(folder / "take/timestamps.csv");
+  const Ran none = runAirclay({"offsets", at("take")});
+  EXPECT_EQ(none.status, 1);
+  EXPECT_NE(none.errors.find("timestamps.csv"), std::string::npos) << none.errors;
 }
 
 TEST_F(LiveApp, WhatCannotBeIsOneLine) {

@@ -126,6 +126,46 @@ TEST_F(RecordingApp, TheRecordingIsATakeLikeAnother) {
   EXPECT_NE(clayIn("afresh"), clayIn("mine-out"));
 }
 
+TEST_F(RecordingApp, AnEmptyWorkspaceThatIsLearnedAgainForgetsTheOneBefore) {
+  const int frames = writeSmallTake(folder / "take", {.empty_frames = 20});
+  record("first");  // the empty workspace is that of the first ten frames
+  // as if somebody had wanted it learned again after them
+  fs::copy(folder / "first", folder / "again", fs::copy_options::recursive);
+  std::istringstream lines(contentOf(folder / "first/actions.txt"));
+  std::string edited, line;
+  int worked_on = 0;
+  while (std::getline(lines, line)) {
+    const bool is_frame = line.starts_with("frame ");
+    if (is_frame && worked_on++ < 10) {
+      edited += worked_on == 1 ? "empty\nlearn\n" : "learn\n";
+      continue;
+    }
+    edited += line + "\n";
+  }
+  fs::permissions(folder / "again/actions.txt", fs::perms::owner_write, fs::perm_options::add);
+  folder.write("again/actions.txt", edited);
+  EXPECT_EQ(replay("again").errors, "");
+  // a take that begins there
+  fs::create_directories(folder / "later");
+  fs::copy(folder / "take/rig.toml", folder / "later/rig.toml");
+  for (const Camera& camera : readRig(folder / "take/rig.toml").cameras) {
+    fs::create_directories(folder / "later" / camera.name);
+    for (int i = 10; i < frames; ++i)
+      fs::copy(folder / "take" / camera.name / (std::to_string(i) + ".png"),
+               folder / "later" / camera.name / (std::to_string(i - 10) + ".png"));
+  }
+  run({"sculpt", at("later"), "--headless", "--out", at("later-out")});
+  const auto apart_m = [&](const std::string& a, const std::string& b) {
+    const PolygonMesh one = readObj(folder / a / "cage.obj"), other = readObj(folder / b / "cage.obj");
+    double farthest_m = 0;
+    for (std::size_t i = 0; i < one.points.size(); ++i)
+      farthest_m = std::max(farthest_m, (one.points[i] - other.points[i]).norm());
+    return farthest_m;
+  };
+  EXPECT_LT(apart_m("again-again", "later-out"), 1e-6);
+  EXPECT_GT(apart_m("again-again", "first-out"), 1e-5) << "other frames, another background";
+}
+
 TEST_F(RecordingApp, SymmetricClayThatIsTurnedStaysSymmetricAboutItsOwnPlanes) {
   const Rig rig = demoRig();
   const Vec3& center = rig.workspace.center;

@@ -10,6 +10,15 @@ namespace airclay {
 HandScript smallTakeScript(const SmallTake& take) {
   const HandScript demo = demoScript();
   const double begins_s = 10.0 / 30;  // in the demo's script
+  if (!take.way.empty()) {
+    std::vector<HandMove> steps;
+    for (const Vec3& place : take.way) {
+      Pose pose = *demo.at(begins_s + 0.8);
+      pose.pretranslate(place);
+      steps.push_back({0.5 * take.slower, pose});
+    }
+    return HandScript(take.empty_frames / 30.0, *demo.at(begins_s + 0.8), steps);
+  }
   return HandScript(take.empty_frames / 30.0, *demo.at(begins_s + 0.8),
                     {{take.slower * 0.15, *demo.at(begins_s + 0.95)},
                      {take.slower * 0.45, *demo.at(begins_s + 1.55)},

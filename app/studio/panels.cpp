@@ -9,6 +9,7 @@
 #include "app/studio/keys.h"
 #include "app/studio/look.h"
 #include "app/tracking.h"
+#include "engine/median.h"
 #include "engine/presets.h"
 
 namespace airclay {

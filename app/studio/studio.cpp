@@ -383,6 +383,7 @@ class Studio {
                        {"latency_ms", meter_.latencyMs()},
                        {"hand", wordFor(snapshot.trust)},
                        {"frame", snapshot.frame},
+                       {"learning", snapshot.learning},
                        {"ended", snapshot.ended},
                        {"sculpting", snapshot.sculpting},
                        {"undo", document.undo_count},
