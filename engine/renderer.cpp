@@ -113,6 +113,7 @@ void Renderer::record(Recorder& recorder, const Scene& scene, const View& view) 
   endPart(recorder);
   recorder.stage("picture: draw");
   recordPicture(recorder, scene);
+  if (!options_.readback) endPart(recorder);  // a window goes on
 }
 
 void Renderer::prepare(const Scene& scene) {
@@ -227,7 +228,7 @@ void Renderer::spend(Recorder& recorder, std::uint32_t count) {
 
 /// Between two passes a division costs nothing, inside of one what was drawn must be loaded again.
 void Renderer::endPart(Recorder& recorder) {
-  if (spent_triangles_ > options_.triangles_a_piece / 2) spend(recorder, room());
+  if (spent_triangles_ > options_.triangles_a_piece / 8) spend(recorder, room());
 }
 
 /// The pass, as several where what it draws is more than a piece has room for.
