@@ -233,11 +233,8 @@ std::string BoardCollector::advice() const {
                              : fault == "too bright" ? "less light, or a shorter exposure, would help"
                              : fault == "flat light" ? "a board in black and white, evenly lit, would help"
                                                      : "focus it, or wipe its lens";
-    return least->name + " sees the board " +
-           (fault == "flat light"  ? "without contrast"
-            : fault == "not sharp" ? "blurred"
-                                   : fault) +
-           "; " + cure;
+    const std::string how = fault == "flat light" ? "has no contrast" : "is " + fault;
+    return "the board " + how + " for " + least->name + "; " + cure;
   }
   const std::vector<std::vector<int>> apart = groups();
   if (least->share >= 1 && apart.size() > 1)

@@ -80,6 +80,18 @@ std::optional<Edge> edgeOf(const std::vector<double>& profile) {
   return Edge{low, high, std::sqrt(std::max(0.0, seen * seen - kOwnVariance))};
 }
 
+/// From the corner `id` to the next one across the edge that leaves it to the right, or downwards; none where
+/// it is not seen.
+std::optional<Vec2> besideEdge(const std::map<int, Vec2>& corners, const Board& board, int id, bool right) {
+  const int column = id % board.cornersX();
+  for (const int step : {1, -1}) {
+    if (!right && (column + step < 0 || column + step >= board.cornersX())) continue;
+    const auto beside = corners.find(id + step * (right ? board.cornersX() : 1));
+    if (beside != corners.end()) return Vec2(beside->second - corners.at(id));
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<BoardLight> boardLight(const Board& board, const BoardView& view, PictureSize size,
@@ -90,15 +102,19 @@ std::optional<BoardLight> boardLight(const Board& board, const BoardView& view, 
   for (std::size_t i = 0; i < view.ids.size(); ++i) corners[view.ids[i]] = view.pixels[i];
   const double margin =
       board.chessboard ? kOfPlainSquare : kOfMargin * (1 - board.marker_m / board.square_m) / 2;
+  const int columns = board.cornersX();
   std::vector<double> black, white, blur;
   for (const auto& [id, pixel] : corners)
     for (const bool right : {true, false}) {
-      if (right && id % board.cornersX() == board.cornersX() - 1) continue;
-      const auto next = corners.find(right ? id + 1 : id + board.cornersX());
-      if (next == corners.end()) continue;
-      const double edge_px = (next->second - pixel).norm();
+      if (right && id % columns == columns - 1) continue;
+      const auto next = corners.find(right ? id + 1 : id + columns);
+      const std::optional<Vec2> beside = besideEdge(corners, board, id, right);
+      if (next == corners.end() || !beside) continue;
+      const Vec2 along = (next->second - pixel).normalized();
+      // a board that is turned away has narrow squares on one side
+      const double square_px = std::abs(along.x() * beside->y() - along.y() * beside->x());
       const std::optional<Edge> edge =
-          edgeOf(profileAcross(grey, pixel, next->second, std::min(kFarthest_px, margin * edge_px)));
+          edgeOf(profileAcross(grey, pixel, next->second, std::min(kFarthest_px, margin * square_px)));
       if (!edge) continue;
       black.push_back(edge->black);
       white.push_back(edge->white);
