@@ -11,6 +11,8 @@
 #include "app/camera_words.h"
 #include "app/command.h"
 #include "app/progress.h"
+#include "app/studio/watch_window.h"
+#include "app/studio/window.h"
 #include "capture/v4l2_devices.h"
 #include "engine/error.h"
 #include "engine/median.h"
@@ -23,7 +25,7 @@ using Json = nlohmann::ordered_json;
 struct CamerasOptions : CommonOptions {
   CameraWords cameras;
   double watch_s = 0;  ///< 0: until Ctrl-C
-  bool watches = false;
+  bool watches = false, headless = false;
 };
 
 std::string sizeText(PictureSize size) {
@@ -155,12 +157,23 @@ Json watch(const CamerasOptions& options, const std::vector<NamedSource>& source
   const auto passed = [&] { return secondsBetween(start, Clock::now()); };
   try {
     Progress signals("watching", 1, false);  // Ctrl-C ends it well
-    while (!(options.watch_s > 0 && passed() >= options.watch_s) && !cameras.ended()) {
+    const auto goesOn = [&](const LiveSet* set) {
       signals.reach(0);
-      if (const std::optional<LiveSet> set = cameras.next(0.1)) figures.add(*set);
-      if (passed() < shown_s + 1 || !options.talks()) continue;
-      shown_s = passed();
-      table.show(cameras.status(), summary(figures, cameras));
+      if (set) figures.add(*set);
+      if (passed() >= shown_s + 1 && options.talks()) {
+        shown_s = passed();
+        table.show(cameras.status(), summary(figures, cameras));
+      }
+      return !(options.watch_s > 0 && passed() >= options.watch_s) && !cameras.ended();
+    };
+    if (!options.headless && options.talks() && Window::possible()) {
+      CommandGpu gpu(options);
+      watchCameras(gpu, cameras, goesOn);
+    } else {
+      for (bool on = true; on;) {
+        const std::optional<LiveSet> set = cameras.next(0.1);
+        on = goesOn(set ? &*set : nullptr);
+      }
     }
   } catch (const Interrupted&) {
   }
@@ -216,10 +229,13 @@ void addCameras(CLI::App& program, int&) {
       program.add_subcommand("cameras", "list camera devices and their modes, open cameras, watch them run");
   const auto options = std::make_shared<CamerasOptions>();
   addCameraOptions(*command, options->cameras);
-  CLI::Option* watch = command->add_option("--watch", options->watch_s,
-                                           "show how the cameras run, a table a second [until Ctrl-C]");
+  CLI::Option* watch =
+      command->add_option("--watch", options->watch_s,
+                          "show what the cameras see in a window, and how they run in a table "
+                          "a second [until Ctrl-C]");
   watch->type_name("SECONDS")->expected(0, 1);
-  addCommonOptions(*command, *options, Uses::kNothing, true);
+  command->add_flag("--headless", options->headless, "open no window, though there be a display");
+  addCommonOptions(*command, *options, Uses::kDevice, true);
   command->footer(
       "Examples:\n  airclay cameras\n"
       "  airclay cameras --camera left=0 --camera right=2 --mode 640x480@30 --format MJPG --watch\n"

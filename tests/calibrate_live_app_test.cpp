@@ -117,9 +117,10 @@ class CalibrateWindow : public CalibrateLive {
       GTEST_SKIP() << "there is no Xvfb; third_party/packages.txt names what is needed";
     film();
   }
-  void start(const Words& more) {
+  void start(const Words& more) { open(words({"calibrate"}, more)); }
+  void open(const Words& command) {
     Words all = {AIRCLAY_PROGRAM};
-    for (const std::string& word : words({"calibrate"}, more)) all.push_back(word);
+    all.insert(all.end(), command.begin(), command.end());
     std::map<std::string, std::string> environment = desktop.environment();
     environment["AIRCLAY_VALIDATION"] = "1";
     program.emplace(all, environment, folder / "output", folder / "errors");
@@ -149,6 +150,20 @@ TEST_F(CalibrateWindow, ShowsTheCamerasAndMakesTheRigWhenTold) {
   EXPECT_NE(contentOf(folder / "output").find("px RMS"), std::string::npos);
   for (const std::string& line : {std::string("VUID"), std::string("Validation")})
     EXPECT_EQ(contentOf(folder / "errors").find(line), std::string::npos) << contentOf(folder / "errors");
+}
+
+TEST_F(CalibrateWindow, CamerasAreWatchedInOneToo) {
+  Words watch = {"cameras", "--watch", "--loop"};
+  for (const Camera& camera : rig.cameras)
+    watch.insert(watch.end(), {"--camera", camera.name + "=" + (folder / (camera.name + ".mp4")).string()});
+  open(watch);
+  const Screenshot first = desktop.screenshot();
+  EXPECT_TRUE(waitUntil([&] { return differingShare(first, desktop.screenshot(), 0.9) > 0.02; }));
+  EXPECT_TRUE(waitUntil([&] { return contentOf(folder / "output").find("live") != std::string::npos; }))
+      << contentOf(folder / "output");
+  desktop.key("Escape");
+  EXPECT_EQ(program->waitForExit(), 0);
+  EXPECT_EQ(contentOf(folder / "errors"), "");
 }
 
 TEST_F(CalibrateWindow, ClosedBeforeThereIsARigItSaysSo) {

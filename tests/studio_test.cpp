@@ -1,177 +1,21 @@
 // SPDX-License-Identifier: MIT
-// The studio as somebody uses it: the built program in a window on a display of its own, mouse and keyboard
-// as a hand would move them. What it did is looked up in its log, its documents and its files; the validation
-// layer watches throughout, and whatever it said would stand on standard error.
-#include <gtest/gtest.h>
+// The studio with the mouse's hand: strokes, history, files, the window itself.
 #include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <assimp/scene.h>
 #include <assimp/Importer.hpp>
-#include <chrono>
 #include <cmath>
-#include <nlohmann/json.hpp>
-#include <thread>
 
 #include "engine/mesh_file.h"
 #include "engine/presets.h"
-#include "tests/desktop.h"
-#include "tests/documents.h"
-#include "tests/program.h"
-#include "tests/small_take.h"
+#include "tests/studio_fixture.h"
 
 namespace airclay {
 namespace {
 
-using nlohmann::json;
-using Words = std::vector<std::string>;
 namespace fs = std::filesystem;
-
-class Studio : public testing::Test {
- protected:
-  void SetUp() override {
-    if (!Desktop::possible())
-      GTEST_SKIP() << "there is no Xvfb; third_party/packages.txt names what is needed";
-    desktop.emplace();
-  }
-
-  std::string at(const std::string& name) const { return folder / name; }
-
-  /// Opens the window; `words` follow `airclay sculpt`.
-  void start(const Words& words) {
-    fs::remove(log_file);
-    Words all = {AIRCLAY_PROGRAM, "sculpt", "--log", log_file};
-    all.insert(all.end(), words.begin(), words.end());
-    std::map<std::string, std::string> environment = desktop->environment();
-    environment["XDG_CONFIG_HOME"] = at("config");
-    environment["XDG_STATE_HOME"] = at("state");
-    environment["AIRCLAY_VALIDATION"] = "1";
-    program.emplace(all, environment, folder / "output", folder / "errors");
-    desktop->findWindow("^Airclay");
-    ASSERT_TRUE(sees([](const json&) { return true; })) << errors();
-  }
-  void startWithoutHint(const Words& words) {
-    folder.write("config/airclay/studio.toml", "first_run = false\n");
-    start(words);
-  }
-
-  /// By the window manager, as with the window's own button.
-  void close() {
-    desktop->key("alt+F4");
-    EXPECT_EQ(program->waitForExit(), 0);
-    EXPECT_EQ(errors(), "");
-  }
-
-  std::string errors() const { return readWhole(folder / "errors", kMaxDocumentBytes); }
-
-  /// The last whole line; null when there is none yet.
-  json log() const {
-    if (!fs::exists(log_file)) return nullptr;
-    std::string text = readWhole(log_file, kMaxDocumentBytes);
-    text.erase(text.rfind('\n') == std::string::npos ? 0 : text.rfind('\n'));
-    return text.empty() ? json(nullptr) : json::parse(text.substr(text.rfind('\n') + 1));
-  }
-  /// Whether the log comes to say so.
-  bool sees(const std::function<bool(const json&)>& expected, double deadline_s = kDeadlineS) {
-    bool seen = false;
-    const auto seenOrOver = [&] {
-      const json line = log();
-      seen = !line.is_null() && expected(line);
-      return seen || !program->running();
-    };
-    waitUntil(seenOrOver, deadline_s);
-    return seen;
-  }
-  bool seesCounts(int undo, int redo) {
-    return sees([&](const json& line) {
-      return line["undo"] == undo && line["redo"] == redo && line["sculpting"] == false;
-    });
-  }
-  bool seesNote(const std::string& words) {
-    return sees(
-        [&](const json& line) { return line["note"].get<std::string>().find(words) != std::string::npos; });
-  }
-
-  /// The document as a crash would leave it: between two edits the file is whole. No other process can open
-  /// it while the program has it, so it is a copy that is looked at.
-  Document kept(const fs::path& file) const {
-    const fs::path copy = folder / "copy.clay";
-    fs::copy_file(file, copy, fs::copy_options::overwrite_existing);
-    return Document::open(copy);
-  }
-
-  /// What the display shows once nothing moves in its middle.
-  Screenshot restingPicture() const {
-    Screenshot shot = desktop->screenshot();
-    const auto rests = [&] {
-      std::this_thread::sleep_for(std::chrono::milliseconds(1500));  // finer half a second after a change
-      const Screenshot before = std::exchange(shot, desktop->screenshot());
-      return differingShare(before, shot, kMiddle) == 0;
-    };
-    EXPECT_TRUE(waitUntil(rests));
-    return shot;
-  }
-  static constexpr double kMiddle = 0.7;  // of the display, without panels and the document's name
-
-  /// The mouse's hand comes from the clay's side, along the workspace's y, until it is well in the clay, and
-  /// stays there: the stroke is under way.
-  void pushIn() {
-    desktop->key("6");
-    desktop->moveTo(kFromX, kY);
-    desktop->press();
-    // How much of the way the first picture of the press takes is the machine's pace.
-    const auto touches = [&] { return log()["sculpting"] == true; };
-    for (x_ = kFromX; x_ < kFarthestX && !touches();) {
-      drag(x_ + kDabPx);
-      waitUntil(touches, kDabPauseS);
-    }
-    drag(x_ + kDabPx);
-    EXPECT_TRUE(touches()) << log() << errors();
-  }
-  void pullOut() {
-    drag(kFromX);
-    desktop->release();
-  }
-  /// A whole stroke; true when it is in the history as the entry after `undo`.
-  bool push(int undo = 0) {
-    pushIn();
-    pullOut();
-    return seesCounts(undo + 1, 0);
-  }
-
-  /// A name typed into the dialog that `keys` open.
-  void choose(const std::string& keys, const std::string& name) {
-    const Screenshot before = desktop->screenshot();
-    desktop->key(keys);
-    // It covers the middle, and dims the rest.
-    ASSERT_TRUE(waitUntil([&] { return differingShare(before, desktop->screenshot(), 0.4) > 0.5; }));
-    desktop->type(name);
-    desktop->key("Return");
-  }
-
-  TemporaryFolder folder;
-  std::optional<Desktop> desktop;
-  std::optional<Process> program;
-  std::string log_file = folder / "log.jsonl";
-
- private:
-  // Right of the tools, under the middle. At 800 pixels' height 240 are 14 cm, and the hand starts 21 cm from
-  // the tube's axis.
-  static constexpr int kFromX = 500, kFarthestX = 1000, kY = 560, kDabPx = 48;
-  static constexpr double kDabPauseS = 1.5;  // longer than from one line of the log to the next
-
-  void drag(int to_x) {
-    constexpr int kStepPx = 12;
-    while (x_ != to_x) {
-      x_ += std::clamp(to_x - x_, -kStepPx, kStepPx);
-      desktop->moveTo(x_, kY);
-      std::this_thread::sleep_for(std::chrono::milliseconds(15));  // as a hand drags
-    }
-  }
-
-  int x_ = 0;  // the pointer's, in the window
-};
 
 std::vector<Vec3> surfaceOf(const ClayState& state) {
   return dataPoints(subdivide(state.cage, state.levels, state.rule).matrix, state.cage.points);
@@ -189,13 +33,6 @@ double farthest(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
     return most;
   };
   return std::max(oneWay(a, b), oneWay(b, a));
-}
-
-double farthestMove(const ClayState& a, const ClayState& b) {
-  double most = 0;
-  for (std::size_t i = 0; i < a.cage.points.size(); ++i)
-    most = std::max(most, (a.cage.points[i] - b.cage.points.at(i)).norm());
-  return most;
 }
 
 double asymmetryInX(const ClayState& state) {
@@ -388,44 +225,6 @@ TEST_F(Studio, FilesThatCannotBeCostNothing) {
   EXPECT_EQ(namesOf(Document::open(other)), (Words{"New tube", "Push", ">Push"}));
 }
 
-TEST_F(Studio, ATakeIsPlayedToItsEndAndAlwaysMakesTheSameClay) {
-  const int frames = writeSmallTake(folder / "take");
-  // Twice in the window, where pictures and frames come as they come.
-  for (const char* name : {"a.clay", "b.clay"}) {
-    startWithoutHint({at("take"), "--background", "10", "--save", at(name)});
-    const auto ended = [](const json& line) { return line["ended"] == true; };
-    ASSERT_TRUE(sees(ended, 3 * kDeadlineS)) << log() << errors();  // every frame is worked on
-    EXPECT_EQ(log()["frame"], frames - 1);
-    const Screenshot before = desktop->screenshot();
-    desktop->key("F1");  // the window is there, and listens
-    EXPECT_TRUE(waitUntil([&] { return differingShare(before, desktop->screenshot(), 0.4) > 0.5; }));
-    close();
-  }
-  const ClayState once = Document::open(at("a.clay")).state();
-  EXPECT_EQ(namesOf(Document::open(at("a.clay"))), (Words{"New tube", ">Push"}));
-  EXPECT_GT(farthestMove(once, tubeState()), 0.005);
-  EXPECT_TRUE(sameClay(once, Document::open(at("b.clay")).state()));
-
-  for (const char* name : {"c.clay", "d.clay"}) {
-    const Ran ran = runAirclay(
-        {"sculpt", at("take"), "--background", "10", "--headless", "--save", at(name), "--out", at("out")},
-        {.environment = {{"AIRCLAY_VALIDATION", "1"}}});
-    ASSERT_EQ(ran.status, 0) << ran.errors;
-    EXPECT_EQ(ran.errors, "");
-  }
-  const ClayState headless = Document::open(at("c.clay")).state();
-  EXPECT_GT(farthestMove(headless, tubeState()), 0.005);
-  EXPECT_TRUE(sameClay(headless, Document::open(at("d.clay")).state()));
-  EXPECT_TRUE(sameClay(headless, once));  // the window's own way
-}
-
-/// The folder that a recording went to, as the window said it.
-fs::path recordingIn(const fs::path& folder) {
-  for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.path().filename().string().starts_with("recording-")) return entry.path();
-  return {};
-}
-
 TEST_F(Studio, WhatWasRecordedWithTheMouseIsDoneAgain) {
   folder.write("config/airclay/studio.toml",
                "first_run = false\nfolder = '" + folder.path().string() + "'\n");
@@ -455,7 +254,7 @@ TEST_F(Studio, WhatWasRecordedWithTheMouseIsDoneAgain) {
   const Document once = Document::open(at("a.clay"));
   EXPECT_EQ(namesOf(once), (Words{"New tube", "Push", "Push", ">Smooth"}));
 
-  const fs::path recording = recordingIn(folder.path());
+  const fs::path recording = recorded();
   ASSERT_FALSE(recording.empty());
   const Ran ran = runAirclay({"sculpt", recording, "--headless", "--save", at("b.clay"), "--out", at("out")},
                              {.environment = {{"AIRCLAY_VALIDATION", "1"}}});
@@ -468,32 +267,6 @@ TEST_F(Studio, WhatWasRecordedWithTheMouseIsDoneAgain) {
   ASSERT_TRUE(sees([](const json& line) { return line["ended"] == true; })) << log();
   close();
   EXPECT_TRUE(sameClay(Document::open(at("c.clay")).state(), once.state()));
-}
-
-TEST_F(Studio, WhatWasRecordedOfATakeIsDoneAgain) {
-  writeSmallTake(folder / "take");
-  folder.write("config/airclay/studio.toml",
-               "first_run = false\nsteady_hand = false\nfolder = '" + folder.path().string() + "'\n");
-  start({at("take"), "--save", at("a.clay")});
-  // from the midst of it, when the empty workspace has long been learned
-  ASSERT_TRUE(sees([](const json& line) { return line["ended"] == true; }, 3 * kDeadlineS)) << log();
-  desktop->key("ctrl+r");
-  ASSERT_TRUE(sees([](const json& line) { return line["recording"] == true; })) << log();
-  desktop->key("y");
-  desktop->key("BackSpace");
-  ASSERT_TRUE(sees([](const json& line) { return line["ended"] == false; })) << log();
-  ASSERT_TRUE(sees([](const json& line) { return line["ended"] == true; }, 3 * kDeadlineS)) << log();
-  desktop->key("ctrl+r");
-  ASSERT_TRUE(seesNote("recorded ")) << log();
-  close();
-  const ClayState once = Document::open(at("a.clay")).state();
-  const fs::path recording = recordingIn(folder.path());
-  const Ran ran = runAirclay({"sculpt", recording, "--headless", "--save", at("b.clay"), "--out", at("out")},
-                             {.environment = {{"AIRCLAY_VALIDATION", "1"}}});
-  ASSERT_EQ(ran.status, 0) << ran.errors;
-  EXPECT_EQ(ran.errors, "");
-  EXPECT_TRUE(sameClay(Document::open(at("b.clay")).state(), once));
-  EXPECT_GT(farthestMove(once, tubeState()), 0.005);
 }
 
 /// A grid of so many points a side, a little wavy: large, and quickly written.
@@ -600,19 +373,6 @@ TEST_F(Studio, AHandThatWasLostDoesNotTakeHoldByItself) {
   desktop->keyUp("space");
   EXPECT_TRUE(seesCounts(2, 0)) << log();
   desktop->release();
-  close();
-}
-
-TEST_F(Studio, EveryCameraIsSeenInALowWindow) {
-  writeSmallTake(folder / "take");
-  folder.write("config/airclay/studio.toml", "first_run = false\nwindow_width = 1280\nwindow_height = 720\n");
-  start({at("take"), "--save", at("a.clay")});
-  ASSERT_TRUE(sees([](const json& line) { return line["ended"] == true; }, 3 * kDeadlineS)) << log();
-  EXPECT_EQ(log()["cameras_shown"], 4) << log();
-  desktop->resize(1280, 1000);
-  EXPECT_TRUE(sees([](const json& line) { return line["height"] == 1000 && line["cameras_shown"] == 4; }));
-  desktop->resize(900, 500);
-  EXPECT_TRUE(sees([](const json& line) { return line["height"] == 500; }));
   close();
 }
 

@@ -4,6 +4,8 @@
 
 #include <cstdint>
 
+#include "shaders/io.h"
+
 struct ImFont;
 
 namespace airclay {
@@ -22,6 +24,10 @@ inline constexpr std::uint32_t kClay = 0xFF3F6BB4;   ///< terracotta: what is ch
 inline constexpr std::uint32_t kGood = 0xFF5A9A4A;   ///< tracking
 inline constexpr std::uint32_t kDoubt = 0xFF2D9BE0;  ///< uncertain
 inline constexpr std::uint32_t kBad = 0xFF3A3AD0;    ///< lost
+/// What lies behind cameras' pictures, linear light.
+inline vec4 paper() {
+  return vec4(0.72f, 0.69f, 0.65f, 1);
+}
 }  // namespace look
 
 }  // namespace airclay

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+#include "app/studio/camera_grid.h"
+
+#include <algorithm>
+
+namespace airclay {
+namespace {
+
+constexpr double kGap = 0.9;  // in letters' heights
+constexpr double kSmallestScale = 0.05, kLargestScale = 2;
+constexpr std::uint32_t kMissing = 0xFFB8B2ACu;
+
+/// Bilinear; B G R A.
+void drawPicture(const LivePicture& picture, const PicturePlace& place, std::uint32_t* out) {
+  if (picture.bgr.empty()) {
+    std::fill_n(out, std::size_t(place.width) * std::size_t(place.height), kMissing);
+    return;
+  }
+  const auto within = [&](int at, int most) {
+    return std::clamp((at + 0.5) / place.scale - 0.5, 0.0, most - 1.001);
+  };
+  const std::size_t stride = 3 * static_cast<std::size_t>(picture.size.width);
+  for (int row = 0; row < place.height; ++row)
+    for (int column = 0; column < place.width; ++column) {
+      const double x = within(column, picture.size.width), y = within(row, picture.size.height);
+      const auto left = static_cast<std::size_t>(x), top = static_cast<std::size_t>(y);
+      const double u = x - double(left), v = y - double(top);
+      const std::uint8_t* upper = picture.bgr.data() + top * stride + 3 * left;
+      const std::uint8_t* lower = upper + stride;
+      std::uint32_t word = 0xFF000000u;
+      for (int channel = 0; channel < 3; ++channel) {
+        const double value = (1 - v) * ((1 - u) * upper[channel] + u * upper[channel + 3]) +
+                             v * ((1 - u) * lower[channel] + u * lower[channel + 3]);
+        word |= static_cast<std::uint32_t>(value + 0.5) << (8 * channel);
+      }
+      *out++ = word;
+    }
+}
+
+}  // namespace
+
+void CameraGrid::place(const std::vector<PictureSize>& sizes, double width, double height, double em) {
+  const double gap = kGap * em, label = kLabelHeight * em;
+  const auto count = static_cast<int>(sizes.size());
+  double widest = 1, highest = 1;
+  for (const PictureSize& size : sizes) {
+    widest = std::max(widest, double(size.width));
+    highest = std::max(highest, double(size.height));
+  }
+  const auto rowsOf = [&](int columns) { return (count + columns - 1) / columns; };
+  const auto scaleWith = [&](int columns) {
+    return std::min((width - gap * (columns + 1)) / columns / widest,
+                    ((height - gap * (rowsOf(columns) + 1)) / rowsOf(columns) - label) / highest);
+  };
+  int columns = 1;
+  for (int more = 2; more <= count; ++more)
+    if (scaleWith(more) > scaleWith(columns)) columns = more;
+  const double scale = std::clamp(scaleWith(columns), kSmallestScale, kLargestScale);
+  const double cell_width = widest * scale + gap, cell_height = highest * scale + label + gap;
+  const double first_left = std::max(0.0, (width - columns * cell_width + gap) / 2),
+               first_top = std::max(0.0, (height - rowsOf(columns) * cell_height + gap) / 2);
+  places_.clear();
+  for (int i = 0; i < count; ++i) {
+    const PictureSize& size = sizes[static_cast<std::size_t>(i)];
+    places_.push_back({static_cast<int>(first_left + (i % columns) * cell_width),
+                       static_cast<int>(first_top + (i / columns) * cell_height),
+                       std::max(1, static_cast<int>(size.width * scale)),
+                       std::max(1, static_cast<int>(size.height * scale)), scale});
+  }
+}
+
+void CameraGrid::draw(const std::vector<LivePicture>& pictures) {
+  std::size_t pixels = 0;
+  for (const PicturePlace& place : places_) pixels += std::size_t(place.width) * std::size_t(place.height);
+  if (pixels > pixels_.count()) pixels_ = Buffer<std::uint32_t>(gpu_, pixels, Memory::kHost);
+  insets_.clear();
+  std::size_t first = 0;
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    const PicturePlace& place = places_[i];
+    const LivePicture none;
+    drawPicture(i < pictures.size() ? pictures[i] : none, place, pixels_.host().data() + first);
+    insets_.push_back({&pixels_, first, place.width, place.height, place.left, place.top});
+    first += std::size_t(place.width) * std::size_t(place.height);
+  }
+}
+
+}  // namespace airclay
