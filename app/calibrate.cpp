@@ -48,7 +48,9 @@ void print(const CalibrateOptions& options, const Calibration& found) {
   say(options, "corners are off by " + fixed(found.rms_px, 2) + " px RMS; lengths on the board by " +
                    scaleWords(found) + "; the world is the board's of frame " +
                    std::to_string(found.world_frame) +
-                   (options.calibration.world_frame ? "" : " (--world N names one that lies on the table)"));
+                   (options.live() || options.calibration.world_frame
+                        ? ""
+                        : " (--world N names one that lies on the table)"));
   say(options, outputWords(options));
 }
 

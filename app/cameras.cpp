@@ -149,6 +149,8 @@ std::string summary(const SetFigures& figures, const LiveCameras& cameras) {
 }
 
 Json watch(const CamerasOptions& options, const std::vector<NamedSource>& sources) {
+  std::optional<CommandGpu> gpu;  // before the cameras run
+  if (!options.headless && options.talks() && Window::possible()) gpu.emplace(options);
   LiveCameras cameras(options.cameras.live(sources), options.cameras.liveOptions(LiveOptions::Sets::kNewest));
   SetFigures figures;
   Table table;
@@ -166,9 +168,8 @@ Json watch(const CamerasOptions& options, const std::vector<NamedSource>& source
       }
       return !(options.watch_s > 0 && passed() >= options.watch_s) && !cameras.ended();
     };
-    if (!options.headless && options.talks() && Window::possible()) {
-      CommandGpu gpu(options);
-      watchCameras(gpu, cameras, goesOn);
+    if (gpu) {
+      watchCameras(*gpu, cameras, goesOn);
     } else {
       for (bool on = true; on;) {
         const std::optional<LiveSet> set = cameras.next(0.1);

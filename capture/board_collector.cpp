@@ -7,6 +7,8 @@
 #include <limits>
 #include <utility>
 
+#include "capture/calibration_parts.h"
+
 namespace airclay {
 namespace {
 
@@ -125,6 +127,11 @@ bool BoardCollector::add(const LiveSet& set) {
   return true;
 }
 
+/// Whether the camera sees enough of the board's corners to tell where it is.
+bool BoardCollector::isOfUse(std::size_t camera) const {
+  return cameras_[camera].seen && usableView(board(), *cameras_[camera].seen);
+}
+
 /// Whether the board, wherever it is seen, moves too slowly for cameras that are out of step to notice.
 bool BoardCollector::atRest(const LiveSet& set) const {
   const double passed_s = set.time_s - before_s_;
@@ -141,7 +148,7 @@ bool BoardCollector::atRest(const LiveSet& set) const {
 
 bool BoardCollector::isNew() const {
   for (std::size_t c = 0; c < cameras_.size(); ++c) {
-    if (!cameras_[c].seen) continue;
+    if (!isOfUse(c)) continue;
     double nearest = std::numeric_limits<double>::infinity();
     for (const auto& [number, view] : views_[c].views)
       if (const auto distance = distanceBetween(view, *cameras_[c].seen))
@@ -154,7 +161,7 @@ bool BoardCollector::isNew() const {
 void BoardCollector::keep(int number) {
   std::vector<std::size_t> who;
   for (std::size_t c = 0; c < cameras_.size(); ++c)
-    if (cameras_[c].seen) who.push_back(c);
+    if (isOfUse(c)) who.push_back(c);
   for (const std::size_t c : who) {
     CollectedCamera& camera = cameras_[c];
     views_[c].views[number] = *camera.seen;
@@ -169,8 +176,9 @@ void BoardCollector::keep(int number) {
 }
 
 std::optional<int> BoardCollector::keepForWorld() {
-  const bool seen = std::any_of(cameras_.begin(), cameras_.end(), [](const auto& c) { return c.seen; });
-  if (!seen) return std::nullopt;
+  bool of_use = false;
+  for (std::size_t c = 0; c < cameras_.size(); ++c) of_use = of_use || isOfUse(c);
+  if (!of_use) return std::nullopt;
   const int number = sets_ - 1;
   const bool kept =
       std::any_of(views_.begin(), views_.end(), [&](const auto& of) { return of.views.count(number); });

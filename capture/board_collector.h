@@ -81,6 +81,7 @@ class BoardCollector {
   static constexpr int kMostSets = 400;
 
  private:
+  bool isOfUse(std::size_t camera) const;
   bool atRest(const LiveSet& set) const;
   bool isNew() const;
   void keep(int number);
