@@ -29,6 +29,9 @@ struct Board {
   int cornerCount() const { return cornersX() * cornersY(); }
   double widthM() const { return squares_x * square_m; }
   double heightM() const { return squares_y * square_m; }
+  /// Whether the squares to the upper left and the lower right of a corner are the black ones, of a board
+  /// that is not inverted.
+  bool blackBefore(int id) const { return (id % cornersX() + id / cornersX()) % 2 == 0; }
   /// \pre 0 <= id < cornerCount()
   Vec3 corner(int id) const { return square_m * Vec3(id % cornersX() + 1, id / cornersX() + 1, 0); }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // A ChArUco board: OpenCV finds the markers; what they say of each other's places decides which of them are
 // this board's; each corner next to one is then looked for where the marker says, and fitted (saddle.h).
-// A chessboard: OpenCV finds the grid of corners, the same fit follows. OpenCV 4.6's own corners of ChArUco
-// boards (interpolateCornersCharuco) are half a pixel too far right and down, and are not used.
+// Chessboards: chessboard_detector.h. OpenCV 4.6's own corners of ChArUco boards (interpolateCornersCharuco)
+// are half a pixel too far right and down, and are not used.
 #include "capture/board_detector.h"
 
 #include <algorithm>
@@ -14,6 +14,7 @@
 
 #include "capture/aruco_dictionary.h"
 #include "capture/board_pattern.h"
+#include "capture/chessboard_detector.h"
 #include "capture/saddle.h"
 #include "engine/error.h"
 
@@ -28,10 +29,6 @@ constexpr double kAgreement = 0.4;
 // Of the markers that must be in the picture, as corners beside them are, this share must have been read. Two
 // markers of a mirrored board can be read as two of this one, and agree.
 constexpr double kLeastRead = 0.35;
-
-Vec2 toEigen(const cv::Point2f& point) {
-  return {point.x, point.y};
-}
 
 /// From squares of the board to pixels.
 class PlaneToPicture {
@@ -118,12 +115,6 @@ std::vector<SeenMarker> thoseOfOneBoard(const std::vector<SeenMarker>& markers) 
 /// By id, in pixels; none where it isn't seen.
 using Corners = std::vector<std::optional<Vec2>>;
 
-/// A crossing whose black squares are where the board has them.
-std::optional<Vec2> cornerNear(const GreyPicture& picture, const SaddleGuess& guess) {
-  const std::optional<Saddle> saddle = findSaddle(picture, guess);
-  return saddle && saddle->contrast > 0 ? std::optional(saddle->pixel) : std::nullopt;
-}
-
 /// Whether four of the corners or more are not all in one line.
 bool spansAPlane(const Board& board, const std::vector<int>& ids) {
   if (ids.size() < 4) return false;
@@ -162,7 +153,6 @@ struct BoardDetector::Parts {
 
   std::vector<SeenMarker> findMarkers(const cv::Mat& grey) const;
   std::optional<BoardView> findCharuco(const cv::Mat& grey) const;
-  std::optional<BoardView> findChessboard(const cv::Mat& grey) const;
   std::optional<SaddleGuess> guessFrom(const std::vector<const SeenMarker*>& markers, int id) const;
 
   void findBesideMarkers(const GreyPicture& picture, const std::vector<SeenMarker>& found,
@@ -173,7 +163,6 @@ struct BoardDetector::Parts {
   int markersBeside(const Corners& corners) const;
 
   Vec2 inSquares(int id) const { return board().corner(id).head<2>() / board().square_m; }
-  bool blackBefore(int id) const { return (id % board().cornersX() + id / board().cornersX()) % 2 == 0; }
   double whiteMargin() const {
     return board().chessboard ? 1 : (board().square_m - board().marker_m) / (2 * board().square_m);
   }
@@ -208,7 +197,7 @@ std::optional<SaddleGuess> BoardDetector::Parts::guessFrom(const std::vector<con
                                                            int id) const {
   const int column = id % board().cornersX(), row = id / board().cornersX();
   const Vec2 corner(column + 1, row + 1);
-  SaddleGuess guess{Vec2::Zero(), Mat2::Zero(), blackBefore(id), whiteMargin()};
+  SaddleGuess guess{Vec2::Zero(), Mat2::Zero(), board().blackBefore(id), whiteMargin()};
   int count = 0;
   for (const auto& [x, y] : {std::pair{0, 0}, {1, 0}, {0, 1}, {1, 1}}) {
     const std::optional<int> marker = pattern.markerIn(column + x, row + y);
@@ -229,7 +218,7 @@ void BoardDetector::Parts::findBesideMarkers(const GreyPicture& picture, const s
   for (const SeenMarker& marker : found) markers[static_cast<std::size_t>(marker.id)] = &marker;
   for (int id = 0; id < board().cornerCount(); ++id)
     if (const std::optional<SaddleGuess> guess = guessFrom(markers, id))
-      corners[static_cast<std::size_t>(id)] = cornerNear(picture, *guess);
+      corners[static_cast<std::size_t>(id)] = findCorner(picture, *guess);
 }
 
 /// Corners whose markers could not be read, next to those that are known: where the plane through the known
@@ -255,8 +244,8 @@ void BoardDetector::Parts::findBesideCorners(const GreyPicture& picture, Corners
       const int id = known + x + y * board().cornersX();
       std::optional<Vec2>& corner = corners[static_cast<std::size_t>(id)];
       if (corner) continue;
-      corner = cornerNear(picture, {plane->at(inSquares(id)) + off, plane->slopeAt(inSquares(id)),
-                                    blackBefore(id), whiteMargin()});
+      corner = findCorner(picture, {plane->at(inSquares(id)) + off, plane->slopeAt(inSquares(id)),
+                                    board().blackBefore(id), whiteMargin()});
       if (corner) next.push_back(id);
     }
   }
@@ -297,100 +286,6 @@ std::optional<BoardView> BoardDetector::Parts::findCharuco(const cv::Mat& grey) 
   return view;
 }
 
-namespace {
-
-/// Corners row by row, as OpenCV found them, in any of the ways in which a board can lie.
-struct Grid {
-  int columns, rows;
-  std::vector<Vec2> pixels;
-
-  const Vec2& at(int column, int row) const {
-    return pixels[static_cast<std::size_t>(row * columns + column)];
-  }
-  /// How a step of one square moves at a corner.
-  Mat2 slopeAt(int column, int row) const {
-    const int left = std::max(0, column - 1), right = std::min(columns - 1, column + 1);
-    const int above = std::max(0, row - 1), below = std::min(rows - 1, row + 1);
-    Mat2 slope;
-    slope.col(0) = (at(right, row) - at(left, row)) / (right - left);
-    slope.col(1) = (at(column, below) - at(column, above)) / (below - above);
-    return slope;
-  }
-  Grid turned() const { return {columns, rows, {pixels.rbegin(), pixels.rend()}}; }
-  Grid mirrored() const {
-    Grid made = *this;
-    for (int row = 0; row < rows; ++row)
-      std::reverse(made.pixels.begin() + row * columns, made.pixels.begin() + (row + 1) * columns);
-    return made;
-  }
-  /// Of a square grid: columns become rows, a quarter turn.
-  Grid quarterTurned() const {
-    Grid made{rows, columns, {}};
-    for (int row = 0; row < columns; ++row)
-      for (int column = 0; column < rows; ++column) made.pixels.push_back(at(row, rows - 1 - column));
-    return made;
-  }
-};
-
-/// The contrast at the grid's first corner: negative where its upper left square is white.
-std::optional<double> contrastAtFirst(const GreyPicture& picture, const Grid& grid) {
-  const std::optional<Saddle> saddle = findSaddle(picture, {grid.at(0, 0), grid.slopeAt(0, 0), true, 1});
-  return saddle ? std::optional(saddle->contrast) : std::nullopt;
-}
-
-/// The way in which the board lies: its upper left square is black, and where that leaves a choice its rows
-/// run to the right.
-std::optional<Grid> asTheBoardLies(const GreyPicture& picture, Grid grid) {
-  if (grid.slopeAt(0, 0).determinant() < 0) grid = grid.mirrored();
-  std::vector<Grid> ways{grid, grid.turned()};
-  if (grid.columns == grid.rows) {
-    const Grid quarter = grid.quarterTurned();
-    ways.push_back(quarter);
-    ways.push_back(quarter.turned());
-  }
-  std::optional<Grid> best;
-  double best_right = 0;
-  for (int colour = 0; colour < 2 && !best; ++colour)  // where no way has a black one, any will do
-    for (const Grid& way : ways) {
-      const std::optional<double> contrast = contrastAtFirst(picture, way);
-      if (!contrast) return std::nullopt;
-      if (colour == 0 && *contrast < 0) continue;
-      const double right = (way.at(way.columns - 1, 0) - way.at(0, 0)).normalized().x();
-      if (!best || right > best_right) best = way, best_right = right;
-    }
-  return best;
-}
-
-}  // namespace
-
-std::optional<BoardView> BoardDetector::Parts::findChessboard(const cv::Mat& grey) const {
-  std::vector<cv::Point2f> corners;
-  const cv::Size size(board().cornersX(), board().cornersY());
-  // One threshold for the whole picture first, then one for each neighbourhood. Both at once, OpenCV's usual
-  // choice, takes seconds over a picture of a board with other numbers of squares.
-  if (!cv::findChessboardCorners(grey, size, corners, cv::CALIB_CB_NORMALIZE_IMAGE) &&
-      !cv::findChessboardCorners(grey, size, corners, cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_FAST_CHECK))
-    return std::nullopt;
-  Grid found{size.width, size.height, {}};
-  for (const cv::Point2f& corner : corners) found.pixels.push_back(toEigen(corner));
-  const GreyPicture picture{grey.cols, grey.rows, grey.data};
-  const std::optional<Grid> grid = asTheBoardLies(picture, found);
-  if (!grid) return std::nullopt;
-
-  const std::optional<double> first = contrastAtFirst(picture, *grid);
-  BoardView view;
-  for (int id = 0; id < board().cornerCount(); ++id) {
-    const int column = id % grid->columns, row = id / grid->columns;
-    const bool black_before = blackBefore(id) == (first && *first > 0);
-    const std::optional<Vec2> corner =
-        cornerNear(picture, {grid->at(column, row), grid->slopeAt(column, row), black_before, 1});
-    if (!corner) return std::nullopt;
-    view.ids.push_back(id);
-    view.pixels.push_back(*corner);
-  }
-  return view;
-}
-
 BoardDetector::BoardDetector(const Board& board) : parts_(std::make_unique<Parts>(board)) {}
 BoardDetector::~BoardDetector() = default;
 BoardDetector::BoardDetector(BoardDetector&&) noexcept = default;
@@ -420,7 +315,7 @@ std::optional<BoardView> BoardDetector::find(PictureSize size, PixelForm form,
     cv::bitwise_not(grey, exchanged);
     grey = exchanged;
   }
-  if (board().chessboard) return parts_->findChessboard(grey);
+  if (board().chessboard) return findChessboard(board(), {grey.cols, grey.rows, grey.data});
   std::optional<BoardView> view = parts_->findCharuco(grey);
   if (view || !board().two_sided) return view;
   cv::Mat mirrored;

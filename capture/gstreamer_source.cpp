@@ -11,6 +11,7 @@
 
 #include "capture/gstreamer_parts.h"
 #include "engine/error.h"
+#include "engine/median.h"
 
 namespace airclay {
 namespace {
@@ -146,8 +147,7 @@ class GStreamerSource : public CameraSource {
       before_s = time_s;
     }
     if (periods_s.size() < kPicturesForRate) return kDefaultRateHz;
-    std::nth_element(periods_s.begin(), periods_s.begin() + kPicturesForRate / 2, periods_s.end());
-    return std::clamp(1 / periods_s[kPicturesForRate / 2], 1.0, 1000.0);
+    return std::clamp(1 / median(std::move(periods_s)), 1.0, 1000.0);
   }
 
   /// The next picture; none when there is none so long, or no more, or after stop(). `fault_` says why, where

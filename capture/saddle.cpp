@@ -251,4 +251,9 @@ std::optional<Saddle> findSaddle(const GreyPicture& picture, const SaddleGuess& 
   return SaddleFit(picture, guess).run();
 }
 
+std::optional<Vec2> findCorner(const GreyPicture& picture, const SaddleGuess& guess) {
+  const std::optional<Saddle> saddle = findSaddle(picture, guess);
+  return saddle && saddle->contrast > 0 ? std::optional(saddle->pixel) : std::nullopt;
+}
+
 }  // namespace airclay

@@ -40,5 +40,7 @@ struct Saddle {
 /// seventh of a square, too little contrast for what else is in its neighbourhood, or cut off by the
 /// picture's edge.
 std::optional<Saddle> findSaddle(const GreyPicture& picture, const SaddleGuess& guess);
+/// Its place, where the black squares are those that the guess says.
+std::optional<Vec2> findCorner(const GreyPicture& picture, const SaddleGuess& guess);
 
 }  // namespace airclay
