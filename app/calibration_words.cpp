@@ -56,16 +56,13 @@ LiveCalibration::State finishInTerminal(const CalibrationWords& words, LiveCalib
 
 void CalibrationWords::collectLive(LiveCameras& running, const Board& of,
                                    const LiveCalibration::Finish& make) const {
-  const bool shown = !headless && Window::possible();
   LiveCalibration::Options options{.board = of, .collector = {.wanted = wanted}, .finish = make, .wake = {}};
   for (const CameraStatus& camera : running.status())
     if (camera.times == TimeOrigin::kArrival) options.collector.unseen_skew_s = kUnseenSkewS;
-  if (shown) options.wake = wakeCalibrationWindow;
   LiveCalibration::State last;
-  if (shown) {
+  if (!headless && Window::possible()) {
     CommandGpu gpu(*this);
-    LiveCalibration calibration(running, options);
-    last = showCalibration(gpu, calibration);
+    last = showCalibration(gpu, running, options);
   } else {
     LiveCalibration calibration(running, options);
     collectInTerminal(*this, calibration);

@@ -97,7 +97,7 @@ void LiveCalibration::makeRig() {
     fault = error.what();
   }
   const std::lock_guard lock(mutex_);
-  state_.result = std::move(result);
+  if (fault.empty()) state_.result = std::move(result);  // else the rig of before still stands in its file
   state_.fault = std::move(fault);
 }
 

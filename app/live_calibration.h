@@ -46,8 +46,8 @@ class LiveCalibration {
     bool ended = false;        ///< the cameras were files, and these are over
     bool working = false;      ///< the rig is being made
     double work_share = 0;
-    std::vector<std::string> result;  ///< what came of it; empty: nothing yet
-    std::string fault;                ///< why nothing came of it
+    std::vector<std::string> result;  ///< what came of the last rig that was made; empty: none yet
+    std::string fault;                ///< why nothing came of the last attempt
   };
   State state() const;
 

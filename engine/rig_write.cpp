@@ -109,14 +109,19 @@ void writeWorkspace(std::ostream& out, const char* table, const Workspace& works
   out << "edge = " << real(workspace.edge_m) << '\n';
 }
 
+/// What every form of ours and Anipose's begins a camera with; its pose follows.
+void writeCamera(std::ostream& out, size_t index, const Camera& camera) {
+  out << "[cam_" << index << "]\nname = " << quoted(camera.name) << "\nsize = [" << camera.width << ", "
+      << camera.height << "]\n";
+  writeLens(out, camera.lens);
+}
+
 /// aniposelib's CameraGroup.dump; its load takes every table but [metadata] for a camera.
 std::string aniposeText(const Rig& rig) {
   std::ostringstream out = exactText();
   for (size_t i = 0; i < rig.cameras.size(); ++i) {
     const Camera& camera = rig.cameras[i];
-    out << "[cam_" << i << "]\nname = " << quoted(camera.name) << "\nsize = [" << camera.width << ", "
-        << camera.height << "]\n";
-    writeLens(out, camera.lens);
+    writeCamera(out, i, camera);
     writePose(out, camera);
     if (isFisheye(camera)) out << "fisheye = true\n";
     out << '\n';
@@ -229,9 +234,7 @@ void writeRig(const std::filesystem::path& file, const Rig& rig, WrittenRotation
   std::ostringstream out = exactText();
   for (size_t i = 0; i < rig.cameras.size(); ++i) {
     const Camera& camera = rig.cameras[i];
-    out << "[cam_" << i << "]\nname = " << quoted(camera.name) << "\nsize = [" << camera.width << ", "
-        << camera.height << "]\n";
-    writeLens(out, camera.lens);
+    writeCamera(out, i, camera);
     if (isFisheye(camera)) out << "fisheye = true\n";
     if (rotations == WrittenRotations::kMatrices) {
       writeMatrix(out, "rotation", camera.camera_from_world.linear());

@@ -6,13 +6,10 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
 
 #include "app/command.h"
-#include "app/studio/camera_grid.h"
+#include "app/studio/camera_window.h"
 #include "app/studio/look.h"
-#include "engine/gpu/graphics.h"
-#include "engine/gpu/recorder.h"
 
 namespace airclay {
 namespace {
@@ -20,7 +17,7 @@ namespace {
 constexpr double kQuietS = 0.2;  // between pictures when no set comes
 // In letters' heights.
 constexpr float kPanelWidth = 22;
-constexpr ImU32 kVeil = IM_COL32(250, 248, 245, 105), kLabel = IM_COL32(250, 248, 245, 240);
+constexpr ImU32 kVeil = IM_COL32(250, 248, 245, 105);
 
 ImVec2 at(const PicturePlace& place, const Vec2& pixel) {
   return {static_cast<float>(place.left + (pixel.x() + 0.5) * place.scale),
@@ -29,55 +26,47 @@ ImVec2 at(const PicturePlace& place, const Vec2& pixel) {
 
 class CalibrationWindow {
  public:
-  CalibrationWindow(Gpu& gpu, LiveCalibration& calibration)
-      : gpu_(gpu),
-        calibration_(calibration),
-        window_(gpu, {.title = "Airclay: calibrating", .width = 1280, .height = 800}),
-        recorder_(gpu),
-        grid_(gpu) {}
+  CalibrationWindow(Gpu& gpu, LiveCameras& cameras, LiveCalibration::Options options)
+      : shown_(gpu, "Airclay: calibrating"), calibration_(cameras, waking(std::move(options))) {}
 
   LiveCalibration::State run() {
-    while (!window_.closing()) {
-      window_.poll(kQuietS);
+    while (!shown_.window().closing()) {
+      shown_.window().poll(kQuietS);
       state_ = calibration_.state();
-      if (window_.begin(false) == Window::Begun::kNothing) {  // minimised
-        window_.poll(kQuietS);
-        continue;
-      }
-      draw();
+      if (shown_.begin())
+        draw();
+      else
+        shown_.window().poll(kQuietS);  // minimised
     }
     return calibration_.state();
   }
 
  private:
+  /// The window looks up when something has changed.
+  static LiveCalibration::Options waking(LiveCalibration::Options options) {
+    options.wake = [] { glfwPostEmptyEvent(); };
+    return options;
+  }
+
   void draw() {
-    const auto width = static_cast<std::uint32_t>(window_.width()),
-               height = static_cast<std::uint32_t>(window_.height());
-    if (paper_.width() != width || paper_.height() != height)
-      paper_ = Image(gpu_, ImageKind::kScreen, width, height);
-    const float em = ImGui::GetFontSize();
-    const float panel = std::min(kPanelWidth * em, 0.45f * float(width));
+    const auto width = static_cast<float>(shown_.window().width());
+    const float panel = std::min(kPanelWidth * ImGui::GetFontSize(), 0.45f * width);
     std::vector<PictureSize> sizes;
     for (const CollectedCamera& camera : state_.cameras) sizes.push_back(camera.size);
-    grid_.place(sizes, double(width) - panel, height, em);
-    grid_.draw(state_.set ? state_.set->pictures : std::vector<LivePicture>());
-    for (std::size_t c = 0; c < sizes.size(); ++c)
-      drawOver(state_.cameras[c], state_.status[c], grid_.places()[c]);
-    drawPanel(float(width) - panel, panel, float(height));
-
-    recorder_.begin(Timing::kNone);
-    render(recorder_, {.color = &paper_, .clear_color = look::paper()}, {});
-    window_.draw(recorder_, paper_, grid_.insets());
-    window_.show(recorder_);
+    shown_.lay(sizes, state_.set ? state_.set->pictures : std::vector<LivePicture>(), panel);
+    for (std::size_t c = 0; c < sizes.size(); ++c) drawOver(c);
+    drawPanel(width - panel, panel, static_cast<float>(shown_.window().height()));
+    shown_.show();
   }
 
   /// Over a camera's picture: a veil where it has not seen the board, the corners that it sees, and below it
   /// how far it is.
-  void drawOver(const CollectedCamera& camera, const CameraStatus& status, const PicturePlace& place) {
+  void drawOver(std::size_t index) {
+    const CollectedCamera& camera = state_.cameras[index];
+    const PicturePlace& place = shown_.places()[index];
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     const float em = ImGui::GetFontSize();
-    const auto left = float(place.left), top = float(place.top), right = float(place.right()),
-               bottom = float(place.bottom());
+    const auto left = float(place.left), top = float(place.top), bottom = float(place.bottom());
     const double cell = camera.coverage.cellPixels() * place.scale;
     for (int row = 0; row < camera.coverage.rows(); ++row)
       for (int column = 0; column < BoardCoverage::kColumns; ++column)
@@ -90,19 +79,13 @@ class CalibrationWindow {
         list.AddCircleFilled(at(place, pixel), 0.26f * em, IM_COL32_WHITE);
         list.AddCircleFilled(at(place, pixel), 0.17f * em, look::kClay);
       }
-    const bool done = camera.share >= 1;
-    const float foot = bottom + float(CameraGrid::kLabelHeight) * em;
-    list.AddRectFilled({left, bottom}, {right, foot}, kLabel);
-    list.AddRectFilled({left, bottom}, {left + float(camera.share) * (right - left), bottom + 0.25f * em},
-                       done ? look::kGood : look::kClay);
-    list.AddText({left + 0.6f * em, bottom + 0.5f * em}, look::kInk, camera.name.c_str());
-    const std::string counts = std::to_string(camera.views) + " views, " +
-                               std::to_string(camera.shared_views) + " shared, " +
-                               fixed(100 * camera.coverage.share(), 0) + " % covered";
-    const float counts_width = ImGui::CalcTextSize(counts.c_str()).x;
-    list.AddText({right - counts_width - 0.6f * em, bottom + 0.5f * em}, look::kFaint, counts.c_str());
-    const auto [words, color] = stateWords(camera, status);
-    list.AddText({left + 0.6f * em, bottom + 1.8f * em}, color, words.c_str());
+    const auto [words, color] = stateWords(camera, state_.status[index]);
+    shown_.drawLabel(index, {camera.name,
+                             std::to_string(camera.views) + " views, " + std::to_string(camera.shared_views) +
+                                 " shared, " + fixed(100 * camera.coverage.share(), 0) + " % covered",
+                             words, color});
+    list.AddRectFilled({left, bottom}, {left + float(camera.share * place.width), bottom + 0.25f * em},
+                       camera.share >= 1 ? look::kGood : look::kClay);
   }
 
   static std::pair<std::string, ImU32> stateWords(const CollectedCamera& camera, const CameraStatus& status) {
@@ -165,7 +148,7 @@ class CalibrationWindow {
     ImGui::PopStyleColor();
     if (wished("The world is where the board lies   W", GLFW_KEY_W, idle)) calibration_.takeWorld();
     if (wished("Begin again   Backspace", GLFW_KEY_BACKSPACE, idle)) calibration_.beginAgain();
-    if (wished("Close   Esc", GLFW_KEY_ESCAPE, true)) window_.close();
+    if (wished("Close   Esc", GLFW_KEY_ESCAPE, true)) shown_.window().close();
     ImGui::PushTextWrapPos(0);
     if (state_.world)
       ImGui::TextDisabled("The world is the board's of set %d: the cube stands on it.", *state_.world);
@@ -185,23 +168,16 @@ class CalibrationWindow {
     for (const std::string& line : state_.result) ImGui::TextWrapped("%s", line.c_str());
   }
 
-  Gpu& gpu_;
-  LiveCalibration& calibration_;
-  Window window_;
-  Recorder recorder_;
+  CameraWindow shown_;
+  LiveCalibration calibration_;  ///< after the window, which its thread wakes
   LiveCalibration::State state_;
-  Image paper_;
-  CameraGrid grid_;
 };
 
 }  // namespace
 
-LiveCalibration::State showCalibration(Gpu& gpu, LiveCalibration& calibration) {
-  return CalibrationWindow(gpu, calibration).run();
-}
-
-void wakeCalibrationWindow() {
-  glfwPostEmptyEvent();
+LiveCalibration::State showCalibration(Gpu& gpu, LiveCameras& cameras,
+                                       const LiveCalibration::Options& options) {
+  return CalibrationWindow(gpu, cameras, options).run();
 }
 
 }  // namespace airclay

@@ -8,10 +8,9 @@
 
 namespace airclay {
 
-/// Until it is closed. What its keys and buttons want, `calibration` does. \return its last state
-LiveCalibration::State showCalibration(Gpu& gpu, LiveCalibration& calibration);
-
-/// For LiveCalibration::Options::wake: the window looks up.
-void wakeCalibrationWindow();
+/// Calibrates until it is closed, as its keys and buttons want; `options.wake` is the window's.
+/// \return the last state
+LiveCalibration::State showCalibration(Gpu& gpu, LiveCameras& cameras,
+                                       const LiveCalibration::Options& options);
 
 }  // namespace airclay

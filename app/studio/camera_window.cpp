@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: MIT
-#include "app/studio/camera_grid.h"
+#include "app/studio/camera_window.h"
+
+#include <imgui/imgui.h>
 
 #include <algorithm>
+
+#include "app/studio/look.h"
+#include "engine/gpu/graphics.h"
 
 namespace airclay {
 namespace {
 
-constexpr double kGap = 0.9;  // in letters' heights
+// In letters' heights.
+constexpr float kGap = 0.9f, kLabelHeight = 3.4f, kMargin = 0.6f, kNameAt = 0.5f, kLineAt = 1.8f;
 constexpr double kSmallestScale = 0.05, kLargestScale = 2;
 constexpr std::uint32_t kMissing = 0xFFB8B2ACu;
 
@@ -39,7 +45,17 @@ void drawPicture(const LivePicture& picture, const PicturePlace& place, std::uin
 
 }  // namespace
 
-void CameraGrid::place(const std::vector<PictureSize>& sizes, double width, double height, double em) {
+CameraWindow::CameraWindow(Gpu& gpu, const std::string& title)
+    : gpu_(gpu), window_(gpu, {.title = title, .width = 1280, .height = 800}), recorder_(gpu) {}
+
+void CameraWindow::lay(const std::vector<PictureSize>& sizes, const std::vector<LivePicture>& pictures,
+                       double beside_px) {
+  place(sizes, window_.width() - beside_px, window_.height());
+  drawPictures(pictures);
+}
+
+void CameraWindow::place(const std::vector<PictureSize>& sizes, double width, double height) {
+  const double em = ImGui::GetFontSize();
   const double gap = kGap * em, label = kLabelHeight * em;
   const auto count = static_cast<int>(sizes.size());
   double widest = 1, highest = 1;
@@ -69,7 +85,7 @@ void CameraGrid::place(const std::vector<PictureSize>& sizes, double width, doub
   }
 }
 
-void CameraGrid::draw(const std::vector<LivePicture>& pictures) {
+void CameraWindow::drawPictures(const std::vector<LivePicture>& pictures) {
   std::size_t pixels = 0;
   for (const PicturePlace& place : places_) pixels += std::size_t(place.width) * std::size_t(place.height);
   if (pixels > pixels_.count()) pixels_ = Buffer<std::uint32_t>(gpu_, pixels, Memory::kHost);
@@ -82,6 +98,33 @@ void CameraGrid::draw(const std::vector<LivePicture>& pictures) {
     insets_.push_back({&pixels_, first, place.width, place.height, place.left, place.top});
     first += std::size_t(place.width) * std::size_t(place.height);
   }
+}
+
+void CameraWindow::drawLabel(std::size_t camera, const CameraLabel& label) const {
+  constexpr ImU32 kLabelPaper = IM_COL32(250, 248, 245, 240);
+  const PicturePlace& place = places_[camera];
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  const float em = ImGui::GetFontSize();
+  const auto left = float(place.left), top = float(place.bottom()), right = float(place.right());
+  const float bottom = top + kLabelHeight * em, margin = kMargin * em;
+  list.AddRectFilled({left, top}, {right, bottom}, kLabelPaper);
+  list.PushClipRect({left, top}, {right, bottom}, true);
+  list.AddText({left + margin, top + kNameAt * em}, look::kInk, label.name.c_str());
+  list.AddText({right - ImGui::CalcTextSize(label.right.c_str()).x - margin, top + kNameAt * em},
+               look::kFaint, label.right.c_str());
+  list.AddText({left + margin, top + kLineAt * em}, label.line_color, label.line.c_str());
+  list.PopClipRect();
+}
+
+void CameraWindow::show() {
+  const auto width = static_cast<std::uint32_t>(window_.width()),
+             height = static_cast<std::uint32_t>(window_.height());
+  if (paper_.width() != width || paper_.height() != height)
+    paper_ = Image(gpu_, ImageKind::kScreen, width, height);
+  recorder_.begin(Timing::kNone);
+  render(recorder_, {.color = &paper_, .clear_color = look::paper()}, {});
+  window_.draw(recorder_, paper_, insets_);
+  window_.show(recorder_);
 }
 
 }  // namespace airclay
