@@ -6,9 +6,9 @@
 #include <cstdio>
 #include <cstring>
 
-#include "app/command.h"
-#include "app/progress.h"
-#include "engine/error.h"
+#include "app/cli/command.h"
+#include "app/cli/progress.h"
+#include "engine/core/error.h"
 
 namespace airclay {
 namespace {

@@ -3,10 +3,9 @@
 
 #include <algorithm>
 
-#include "engine/clock.h"
-#include "engine/error.h"
-#include "engine/sculptor.h"
-#include "engine/tracker.h"
+#include "engine/core/clock.h"
+#include "engine/core/error.h"
+#include "engine/hand/tracker.h"
 
 namespace airclay {
 

@@ -10,20 +10,18 @@
 #include <optional>
 #include <string>
 
-#include "engine/carve.h"
-#include "engine/clay.h"
-#include "engine/clay_state.h"
-#include "engine/distance_grid.h"
-#include "engine/fit.h"
-#include "engine/hand_model.h"
-#include "engine/silhouette.h"
-#include "engine/solve.h"
-#include "engine/subdivide.h"
-#include "engine/tools.h"
+#include "engine/clay/clay.h"
+#include "engine/clay/clay_state.h"
+#include "engine/clay/solve.h"
+#include "engine/clay/subdivide.h"
+#include "engine/hand/fit.h"
+#include "engine/hand/hand_model.h"
+#include "engine/hull/carve.h"
+#include "engine/mesh/distance_grid.h"
+#include "engine/sculpt/sculptor.h"
+#include "engine/silhouette/silhouette.h"
 
 namespace airclay {
-
-class Sculptor;
 
 struct PipelineOptions {
   int voxels = 128;    ///< along the workspace's edge
@@ -34,13 +32,6 @@ enum class HandState {
   kEmpty,  ///< nobody there: too little in the picture to be a hand
   kTracked,
   kLost,  ///< something is there, but no pose explains it
-};
-
-/// What became of the clay in a frame.
-struct ClayStep {
-  int touched = 0;           ///< data points that the tool has to do with; *push* counts each image's
-  int repeats = 0;           ///< of contact and solve
-  double penetration_m = 0;  ///< what is left of it; with *pull* how far a held point lags behind
 };
 
 struct FrameResult {
@@ -92,7 +83,7 @@ class Pipeline {
   /// clay stays.
   void setClay(const std::optional<ClayState>& clay);
   /// The same in two steps: making the clay takes long where it is large, and may be cancelled
-  /// (engine/long_work.h); putting it in the old one's place does not. \throw Error as Clay
+  /// (engine/core/task.h); putting it in the old one's place does not. \throw Error as Clay
   class MadeClay {
    public:
     MadeClay(Gpu& gpu, const ClayState& state, const Vec3& workspace_center, const DistanceGrid& hand);

@@ -5,15 +5,15 @@
 #include <algorithm>
 #include <iostream>
 
-#include "capture/synthetic.h"
-#include "engine/distance_grid.h"
-#include "engine/error.h"
-#include "engine/mesh_file.h"
-#include "engine/presets.h"
-#include "tests/gpu_fixture.h"
-#include "tests/hand_scene.h"
-#include "tests/scene.h"
-#include "tests/temporary_folder.h"
+#include "capture/takes/synthetic.h"
+#include "engine/clay/presets.h"
+#include "engine/core/error.h"
+#include "engine/mesh/distance_grid.h"
+#include "engine/mesh/mesh_file.h"
+#include "tests/support/gpu_fixture.h"
+#include "tests/support/hand_scene.h"
+#include "tests/support/scene.h"
+#include "tests/support/temporary_folder.h"
 
 namespace airclay {
 namespace {

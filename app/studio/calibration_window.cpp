@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <cctype>
 
-#include "app/command.h"
+#include "app/cli/command.h"
 #include "app/studio/camera_window.h"
-#include "app/studio/look.h"
+#include "app/studio/theme.h"
 
 namespace airclay {
 namespace {

@@ -3,7 +3,7 @@
 // and what to do next.
 #pragma once
 
-#include "app/live_calibration.h"
+#include "app/session/live_calibration.h"
 #include "engine/gpu/gpu.h"
 
 namespace airclay {

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "app/studio/look.h"
+#include "app/studio/theme.h"
 #include "engine/gpu/graphics.h"
 
 namespace airclay {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "app/studio/window.h"
-#include "capture/camera_source.h"
+#include "capture/cameras/camera_source.h"
 #include "engine/gpu/recorder.h"
 
 namespace airclay {

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "app/studio/look.h"
+#include "app/studio/theme.h"
 
 namespace airclay {
 namespace {

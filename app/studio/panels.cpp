@@ -5,12 +5,12 @@
 
 #include <algorithm>
 
-#include "app/command.h"
-#include "app/studio/keys.h"
-#include "app/studio/look.h"
-#include "app/tracking.h"
-#include "engine/median.h"
-#include "engine/presets.h"
+#include "app/cli/command.h"
+#include "app/session/tracking_summary.h"
+#include "app/studio/shortcuts.h"
+#include "app/studio/theme.h"
+#include "engine/clay/presets.h"
+#include "engine/core/median.h"
 
 namespace airclay {
 namespace {

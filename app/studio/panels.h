@@ -7,7 +7,7 @@
 struct ImVec2;
 
 #include "app/studio/settings.h"
-#include "app/studio/stage.h"
+#include "app/studio/viewport.h"
 #include "app/studio/window.h"
 
 namespace airclay {

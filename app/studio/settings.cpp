@@ -6,9 +6,9 @@
 #include <cstdlib>
 #include <sstream>
 
-#include "app/command.h"
-#include "engine/error.h"
-#include "engine/mesh_file.h"
+#include "app/cli/command.h"
+#include "engine/core/error.h"
+#include "engine/core/file_io.h"
 
 namespace airclay {
 namespace {

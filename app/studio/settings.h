@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "app/studio/session.h"
+#include "app/session/session.h"
 
 namespace airclay {
 

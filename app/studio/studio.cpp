@@ -8,13 +8,13 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "app/command.h"
+#include "app/cli/command.h"
+#include "app/session/tracking_summary.h"
 #include "app/studio/file_chooser.h"
-#include "app/studio/keys.h"
 #include "app/studio/panels.h"
-#include "app/tracking.h"
-#include "engine/error.h"
-#include "engine/presets.h"
+#include "app/studio/shortcuts.h"
+#include "engine/clay/presets.h"
+#include "engine/core/error.h"
 
 namespace airclay {
 namespace {

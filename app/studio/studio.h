@@ -6,7 +6,7 @@
 #include <memory>
 #include <optional>
 
-#include "app/studio/session.h"
+#include "app/session/session.h"
 
 namespace airclay {
 

@@ -2,7 +2,7 @@
 // How the designer goes round the clay: orbit, pan, zoom, and the views that everybody expects.
 #pragma once
 
-#include "engine/renderer.h"
+#include "engine/render/renderer.h"
 
 namespace airclay {
 

@@ -11,10 +11,10 @@
 #include <cstdlib>
 #include <set>
 
-#include "app/studio/look.h"
-#include "app/studio/shared_screen.h"
-#include "app/studio/swapchain.h"
-#include "engine/error.h"
+#include "app/studio/shared_memory_presenter.h"
+#include "app/studio/swapchain_presenter.h"
+#include "app/studio/theme.h"
+#include "engine/core/error.h"
 #include "engine/gpu/one_time.h"
 
 namespace airclay {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // A window on the display (GLFW) that shows the engine's pictures, with Dear ImGui over them.
 //
-// The picture is drawn offscreen by engine/renderer.h and copied into the window's image (screen.h); Dear
-// ImGui 1.86 draws over it in the one VkRenderPass that there is. On a software device that costs as much as
-// tracking a quarter of a frame, so between pictures that follow each other quickly the interface is kept,
-// unless it is in use.
+// The picture is drawn offscreen by engine/render/renderer.h and copied into the window's image (screen.h);
+// Dear ImGui 1.86 draws over it in the one VkRenderPass that there is. On a software device that costs as
+// much as tracking a quarter of a frame, so between pictures that follow each other quickly the interface is
+// kept, unless it is in use.
 #pragma once
 
 #include <filesystem>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "engine/gpu/buffer.h"
 
-#include "engine/error.h"
+#include "engine/core/error.h"
 #include "engine/gpu/one_time.h"
 
 namespace airclay {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "engine/gpu/gpu.h"
-#include "shaders/io.h"
+#include "shaders/core/io.h"
 
 namespace airclay {
 

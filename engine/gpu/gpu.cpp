@@ -6,7 +6,7 @@
 #include <cstring>
 #include <utility>
 
-#include "engine/error.h"
+#include "engine/core/error.h"
 
 namespace airclay {
 namespace {

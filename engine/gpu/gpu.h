@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/clock.h"
+#include "engine/core/clock.h"
 
 namespace airclay {
 

@@ -3,7 +3,7 @@
 
 #include <utility>
 
-#include "engine/error.h"
+#include "engine/core/error.h"
 
 namespace airclay {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "engine/error.h"
+#include "engine/core/error.h"
 
 namespace airclay {
 

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 // One submission: kernels in order, the barriers between them, and the time that each stage takes.
 //
-// Barriers come from declarations. A kernel's pointer arguments say what it reads and writes (shaders/io.h);
-// the recorder finds the buffer behind each pointer and puts a barrier before the first dispatch that would
-// race. hazards() is the independent check of that: synchronization validation sees no races through buffer
-// addresses, and lavapipe runs in order, so neither would notice a barrier that is missing.
+// Barriers come from declarations. A kernel's pointer arguments say what it reads and writes
+// (shaders/core/io.h); the recorder finds the buffer behind each pointer and puts a barrier before the first
+// dispatch that would race. hazards() is the independent check of that: synchronization validation sees no
+// races through buffer addresses, and lavapipe runs in order, so neither would notice a barrier that is
+// missing.
 #pragma once
 
 #include <map>
@@ -12,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/clock.h"
+#include "engine/core/clock.h"
 #include "engine/gpu/buffer.h"
 #include "engine/gpu/kernel.h"
 
@@ -158,7 +159,7 @@ inline std::uint32_t groupsFor(std::size_t count, std::uint32_t size) {
 }
 
 /// The same workgroups in rows of at most 32,768, for counts past the 65,535 that every device takes in x
-/// (shaders/invocation.glsl finds the invocation's index).
+/// (shaders/core/invocation.glsl finds the invocation's index).
 struct GroupRows {
   std::uint32_t x = 1, y = 1;
 };

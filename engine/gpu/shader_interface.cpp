@@ -4,7 +4,7 @@
 #include <map>
 #include <spirv/unified1/spirv.hpp>
 
-#include "engine/error.h"
+#include "engine/core/error.h"
 
 namespace airclay {
 namespace {

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+#include "app/cli/board_options.h"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include "app/cli/command.h"
+#include "capture/calibration/board_advice.h"
+#include "engine/core/error.h"
+
+namespace airclay {
+std::pair<int, int> pairOf(const std::string& option, const std::string& word) {
+  int first = 0, second = 0, read = 0;
+  const bool is_pair = std::sscanf(word.c_str(), "%6dx%6d%n", &first, &second, &read) == 2 &&
+                       static_cast<std::size_t>(read) == word.size();
+  if (!is_pair || first < 1 || second < 1)
+    throw Error(option + " " + oneLine(word) + ": two whole numbers with an x between them, as in " +
+                    (option == "--squares" ? "5x3" : "640x480") + ", would be right",
+                Fault::kUsage);
+  return {first, second};
+}
+
+Board BoardWords::board() const {
+  Board board;
+  std::tie(board.squares_x, board.squares_y) = pairOf("--squares", squares);
+  board.square_m = square_mm / 1000;
+  board.marker_m = marker_mm != 0 ? marker_mm / 1000 : usualMarker(board.square_m);
+  board.dictionary = dictionary.starts_with("DICT_") ? dictionary.substr(5) : dictionary;
+  board.inverted = invert;
+  board.chessboard = chessboard;
+  board.two_sided = two_sided;
+  checkBoard(board);
+  return board;
+}
+
+void addBoardOptions(CLI::App& command, BoardWords& words) {
+  command.add_option("--squares", words.squares, "the board's squares along its width and its height [5x3]")
+      ->type_name("NxM");
+  command
+      .add_option("--square-mm", words.square_mm,
+                  "a square's edge in millimetres: as it was measured on the print, where there is one [54]")
+      ->type_name("MM");
+  command
+      .add_option("--marker-mm", words.marker_mm,
+                  "a marker's edge in millimetres [about three quarters of the square: 40]")
+      ->type_name("MM");
+  command.add_option("--dictionary", words.dictionary, "OpenCV's dictionary of markers [4X4_50]")
+      ->type_name("NAME");
+  command.add_flag("--invert", words.invert, "the board's black and white are exchanged");
+  command.add_flag("--chessboard", words.chessboard, "a plain chessboard, without markers");
+  command.add_flag("--two-sided", words.two_sided,
+                   "the board's back bears it, too, mirrored, corner behind corner");
+}
+
+std::string optionsOf(const Board& board) {
+  std::string words = "--squares " + std::to_string(board.squares_x) + "x" + std::to_string(board.squares_y) +
+                      " --square-mm " + inMillimetres(board.square_m);
+  if (!board.chessboard)
+    words += " --marker-mm " + inMillimetres(board.marker_m) + " --dictionary " + board.dictionary;
+  return words + (board.inverted ? " --invert" : "") + (board.chessboard ? " --chessboard" : "") +
+         (board.two_sided ? " --two-sided" : "");
+}
+
+}  // namespace airclay

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: MIT
+#include "app/cli/camera_options.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+
+#include "app/cli/board_options.h"
+#include "engine/core/error.h"
+#include "engine/core/file_io.h"
+
+namespace airclay {
+namespace {
+
+[[noreturn]] void refuse(const std::string& option, const std::string& words, const std::string& right) {
+  throw Error(option + " " + words + ": " + right + " would be right", Fault::kUsage);
+}
+
+PictureSize sizeOf(const std::string& words) {
+  const auto [width, height] = pairOf("--mode", words);
+  if (std::min(width, height) < kMinPictureSide || std::max(width, height) > kMaxPictureSide)
+    refuse("--mode", words,
+           "sides from " + std::to_string(kMinPictureSide) + " to " + std::to_string(kMaxPictureSide));
+  return {width, height};
+}
+
+}  // namespace
+
+std::vector<NamedSource> CameraWords::sources() const {
+  std::vector<NamedSource> sources;
+  for (const std::string& words : cameras) {
+    NamedSource source = parseNamedSource(words);
+    if (std::any_of(sources.begin(), sources.end(),
+                    [&](const NamedSource& other) { return other.name == source.name; }))
+      refuse("--camera", words, "the name is there already; another name");
+    sources.push_back(std::move(source));
+  }
+  if (sources.size() > kMaxCameras)
+    refuse("--camera", std::to_string(sources.size()) + " times", std::to_string(kMaxCameras) + " at most");
+  return sources;
+}
+
+SourceOptions CameraWords::sourceOptions() const {
+  SourceOptions options;
+  options.format = format;
+  options.exposure = exposure;
+  options.gain = gain;
+  options.loop = loop;
+  options.size = usual_size;
+  if (mode.empty()) return options;
+  const std::size_t at = mode.find('@');
+  options.size = sizeOf(mode.substr(0, at));
+  if (at == std::string::npos) return options;
+  options.rate_hz = parseNumber(mode.substr(at + 1));
+  if (!options.rate_hz || !(*options.rate_hz > 0 && *options.rate_hz <= 1000))
+    refuse("--mode", mode, "a rate above 0 and at most 1000, as 640x480@30,");
+  return options;
+}
+
+std::vector<LiveCamera> CameraWords::live(const std::vector<NamedSource>& sources) const {
+  std::vector<LiveCamera> all;
+  for (const NamedSource& source : sources) all.push_back(liveCamera(source, sourceOptions()));
+  for (const std::string& words : offsets) {
+    const std::size_t equals = words.find('=');
+    const auto found = std::find_if(all.begin(), all.end(), [&](const LiveCamera& camera) {
+      return camera.name == words.substr(0, equals);
+    });
+    const std::optional<double> offset_ms =
+        equals == std::string::npos ? std::nullopt : parseNumber(words.substr(equals + 1));
+    if (!offset_ms || found == all.end())
+      refuse("--offset", words, "NAME=MS with the name of a --camera, as left=12.5,");
+    found->offset_s = *offset_ms / 1000;
+  }
+  return all;
+}
+
+LiveOptions CameraWords::liveOptions(LiveOptions::Sets sets) const {
+  LiveOptions options;
+  options.sets = sets;
+  if (max_skew_ms && !(*max_skew_ms > 0 && *max_skew_ms <= 1000))
+    refuse("--max-skew-ms", exactNumber(*max_skew_ms), "above 0 and at most 1000");
+  if (max_skew_ms) options.max_skew_s = *max_skew_ms / 1000;
+  return options;
+}
+
+void addCameraOptions(CLI::App& command, CameraWords& words) {
+  const auto one = [](CLI::Option* option) { option->allow_extra_args(false); };
+  CLI::Option* camera = command.add_option(
+      "--camera", words.cameras,
+      "a camera and where its pictures come from, once for each: a device number or /dev/videoN, a video "
+      "file, a folder or pattern of pictures (img_%04d.png), rtsp://... or http://..., or a GStreamer "
+      "pipeline (gst: ...)");
+  camera->type_name("NAME=SOURCE");
+  one(camera);
+  command.add_option("--mode", words.mode, "the devices' size and rate [as they are]")->type_name("WxH@HZ");
+  command.add_option("--format", words.format, "the devices' pixel format: MJPG, YUYV [as they are]")
+      ->type_name("CODE");
+  command.add_option("--exposure", words.exposure, "lock the devices' exposure; the driver's unit")
+      ->type_name("N");
+  command.add_option("--gain", words.gain, "lock the devices' gain; the driver's unit")->type_name("N");
+  CLI::Option* offset = command.add_option(
+      "--offset", words.offsets, "how many milliseconds a camera's times are too late, once for each [0]");
+  offset->type_name("NAME=MS");
+  one(offset);
+  command
+      .add_option("--max-skew-ms", words.max_skew_ms,
+                  "the pictures of a set are at most so far apart [half a frame; recording: one]")
+      ->type_name("MS");
+  command.add_flag("--loop", words.loop, "files begin anew at their end");
+}
+
+}  // namespace airclay

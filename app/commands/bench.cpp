@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+// `airclay bench`: how long each stage takes, beside its CPU reference and a peer.
+#include "engine/validation/bench.h"
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "app/cli/command.h"
+#include "engine/hull/carve.h"
+
+namespace airclay {
+namespace {
+
+std::string ratio(double value) {
+  if (value <= 0) return "-";
+  return fixed(value, value < 0.1 ? 3 : value < 1 ? 2 : 1);
+}
+
+void runBench(const CommonOptions& options) {
+  checkVoxels(options.voxels);
+  CommandGpu gpu(options);
+  const std::vector<StageTiming> stages = benchStages(gpu, {options.voxels});
+  std::vector<std::vector<std::string>> rows = {
+      {"STAGE", "GPU ms", "WALL ms", "WORK", "", "REFERENCE/OURS", "PEER/OURS", "PEER"}};
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const StageTiming& stage : stages) {
+    rows.push_back({stage.name, fixed(stage.gpu_ms, 3), fixed(stage.wall_ms, 3), fixed(stage.work, 0),
+                    stage.work_unit, ratio(stage.reference_ratio), ratio(stage.peer_ratio), stage.peer});
+    list.push_back({{"name", stage.name},
+                    {"device", stage.device},
+                    {"gpu_ms", stage.gpu_ms},
+                    {"wall_ms", stage.wall_ms},
+                    {"work", stage.work},
+                    {"work_unit", stage.work_unit},
+                    {"reference_ratio", stage.reference_ratio},
+                    {"peer", stage.peer},
+                    {"peer_ratio", stage.peer_ratio}});
+  }
+  if (options.json) printJson({{"stages", list}});
+  say(options, gpu.info().name + ", " + std::to_string(options.voxels) + " voxels an edge; medians");
+  if (options.talks()) printTable(rows);
+}
+
+}  // namespace
+
+void addBench(CLI::App& program, int&) {
+  CLI::App* command = program.add_subcommand("bench", "time each stage and the whole frame");
+  const auto options = std::make_shared<CommonOptions>();
+  addCommonOptions(*command, *options, Uses::kDeviceAndVoxels, true);
+  command->footer("Ratios are theirs / ours, measured in the same run: above 1, ours is faster.");
+  command->callback([options] { runBench(*options); });
+}
+
+}  // namespace airclay

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: MIT
+// `airclay board`: the calibration board to be printed, and whether the cameras will read it.
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "app/cli/board_options.h"
+#include "app/cli/command.h"
+#include "app/cli/output_paths.h"
+#include "capture/calibration/board_advice.h"
+#include "engine/camera/rig.h"
+#include "engine/core/error.h"
+
+namespace airclay {
+namespace {
+
+struct BoardOptions : CommonOptions {
+  std::string out, page = "a4", resolution, rig, units;
+  double dpi = 300, fov_degrees = 60, distance_m = 0;
+  BoardWords words;
+};
+
+Page pageOf(const std::string& word) {
+  for (const Page page : {Page::kA4, Page::kA3, Page::kLetter})
+    if (word == nameOf(page)) return page;
+  return Page::kFit;
+}
+
+/// The camera that sees the board smallest, in words.
+struct Sight {
+  BoardSight sight;
+  std::string camera;  ///< "a 640 x 480 camera at 1.1 m"
+};
+
+Sight sightByWords(const BoardOptions& options) {
+  const auto [width, height] = pairOf("--resolution", options.resolution);
+  if (!(options.distance_m > 0 && options.distance_m <= 1000))
+    throw Error("--distance " + fixed(options.distance_m, 2) + ": metres, more than 0, would be right",
+                Fault::kUsage);
+  if (!(options.fov_degrees >= 1 && options.fov_degrees <= 170))
+    throw Error("--fov " + fixed(options.fov_degrees, 1) + ": 1 to 170 degrees would be right",
+                Fault::kUsage);
+  return {{focalOf(width, options.fov_degrees), options.distance_m},
+          "a " + std::to_string(width) + " x " + std::to_string(height) + " camera with " +
+              fixed(options.fov_degrees, 0) + " degrees of view, " + fixed(options.distance_m, 2) +
+              " m away"};
+}
+
+/// Of a rig: the board is held in the middle of its workspace.
+Sight sightOfRig(const BoardOptions& options) {
+  const RigUnits units = options.units == "m"    ? RigUnits::kMetres
+                         : options.units == "mm" ? RigUnits::kMillimetres
+                                                 : RigUnits::kAsWritten;
+  const Rig rig = readRig(options.rig, units);
+  std::optional<Sight> smallest;
+  for (const Camera& camera : rig.cameras) {
+    const double distance_m = (camera.camera_from_world * rig.workspace.center).norm();
+    const BoardSight sight{(camera.lens.fx + camera.lens.fy) / 2, distance_m};
+    if (smallest && sight.focal_px / distance_m >= smallest->sight.focal_px / smallest->sight.distance_m)
+      continue;
+    smallest = Sight{
+        sight, "camera \"" + camera.name + "\", " + fixed(distance_m, 2) + " m from the workspace's centre"};
+  }
+  return *smallest;
+}
+
+std::optional<Sight> sightOf(const BoardOptions& options) {
+  const bool by_words = !options.resolution.empty() || options.distance_m != 0;
+  if (!options.rig.empty() && by_words)
+    throw Error("--rig says the cameras' resolution and distance; leave out --resolution and --distance",
+                Fault::kUsage);
+  if (!options.rig.empty()) return sightOfRig(options);
+  if (!by_words) return std::nullopt;
+  if (options.resolution.empty() || options.distance_m == 0)
+    throw Error("--resolution and --distance go together, as in --resolution 640x480 --distance 1.1",
+                Fault::kUsage);
+  return sightByWords(options);
+}
+
+/// What was found out about the cameras.
+struct Verdict {
+  double cell_px = 0;
+  bool readable = false;
+  std::optional<BoardProposal> proposal;  ///< where it is not readable
+};
+
+Verdict judge(const Board& board, const Sight& sight, Page page) {
+  Verdict verdict;
+  verdict.cell_px = cellPixels(board, sight.sight);
+  verdict.readable = verdict.cell_px >= leastCellPixels(board);
+  if (!verdict.readable) verdict.proposal = readableBoard(board, sight.sight, page);
+  return verdict;
+}
+
+void sayVerdict(const BoardOptions& options, const Board& board, const Sight& sight, const Verdict& verdict) {
+  const std::string cell = board.chessboard ? "a square" : "a marker's cell";
+  const std::string least = fixed(leastCellPixels(board), 0);
+  say(options, "To " + sight.camera + ", " + cell + " has " + fixed(verdict.cell_px, 1) +
+                   " pixels: " + (verdict.readable ? "it will be read" : "too few to be read") + " (" +
+                   least + " are needed, more where the board is held aslant).");
+  if (verdict.readable) return;
+  const double nearer_m = sight.sight.distance_m * verdict.cell_px / leastCellPixels(board);
+  if (!verdict.proposal) {
+    say(options, "No board on A3 will do there. Within " + fixed(nearer_m, 2) + " m this one is read.");
+    return;
+  }
+  say(options, "This one would be read, with " + fixed(verdict.proposal->cell_px, 1) + " pixels: --page " +
+                   nameOf(verdict.proposal->page) + " " + optionsOf(verdict.proposal->board));
+}
+
+nlohmann::ordered_json jsonOf(const Board& board, Page page) {
+  const auto mm = [](double length_m) { return std::round(1e6 * length_m) / 1e3; };
+  nlohmann::ordered_json json{{"squares", {board.squares_x, board.squares_y}},
+                              {"square_mm", mm(board.square_m)}};
+  if (!board.chessboard) {
+    json["marker_mm"] = mm(board.marker_m);
+    json["dictionary"] = board.dictionary;
+  }
+  json["page"] = nameOf(page);
+  return json;
+}
+
+void printVerdict(nlohmann::ordered_json json, const std::optional<Verdict>& verdict) {
+  if (verdict) {
+    json["cell_px"] = verdict->cell_px;
+    json["readable"] = verdict->readable;
+    if (verdict->proposal) {
+      json["proposal"] = jsonOf(verdict->proposal->board, verdict->proposal->page);
+      json["proposal"]["cell_px"] = verdict->proposal->cell_px;
+    }
+  }
+  printJson(json);
+}
+
+void runBoard(const BoardOptions& options) {
+  const bool is_pdf = options.out.ends_with(".pdf");
+  if (!is_pdf && !options.out.ends_with(".png"))
+    throw Error("--out " + options.out + ": a name that ends in .pdf or .png would be right", Fault::kUsage);
+  const Board board = options.words.board();
+  const Page page = pageOf(options.page);
+  const std::optional<Sight> sight = sightOf(options);
+  const BoardSheet sheet = layOut(board, page);
+  checkWritable(options.out);
+  if (is_pdf)
+    writeBoardPdf(options.out, sheet);
+  else
+    writeBoardPng(options.out, sheet, options.dpi);
+
+  const std::optional<Verdict> verdict = sight ? std::optional(judge(board, *sight, page)) : std::nullopt;
+  if (options.json) printVerdict(jsonOf(board, page), verdict);
+  say(options, "A board of " + inWords(board) + ", in " + options.out + ", on a page of " +
+                   fixed(1000 * sheet.width_m, 0) + " x " + fixed(1000 * sheet.height_m, 0) + " mm.");
+  say(options,
+      "Print it at 100 %, without scaling (\"actual size\"). Measure the line below it: it must be 100 mm "
+      "long. If it isn't, measure a square and say so with --square-mm.");
+  say(options, "Glue it on something flat and stiff: a bent board bends the calibration.");
+  if (sight) sayVerdict(options, board, *sight, *verdict);
+}
+
+void addSightOptions(CLI::App& command, BoardOptions& options) {
+  command
+      .add_option("--resolution", options.resolution,
+                  "the cameras' pictures, with --distance: says whether they will be able to read the board")
+      ->type_name("WxH");
+  command.add_option("--distance", options.distance_m, "how far from the cameras the board is held, metres")
+      ->type_name("M");
+  command.add_option("--fov", options.fov_degrees, "the cameras' horizontal field of view [60]")
+      ->type_name("DEG");
+  command.add_option("--rig", options.rig, "the same from a rig that is known already")
+      ->type_name("RIG.toml");
+  command.add_option("--units", options.units, "the rig's unit, where its file doesn't say: m or mm")
+      ->check(CLI::IsMember({"m", "mm"}).description(""))
+      ->type_name("m|mm");
+}
+
+}  // namespace
+
+void addBoard(CLI::App& program, int&) {
+  CLI::App* command =
+      program.add_subcommand("board", "make a calibration board to print, and say whether it can be read");
+  const auto options = std::make_shared<BoardOptions>();
+  command->add_option("--out", options->out, "where it goes: the ending says the format, .pdf or .png")
+      ->type_name("FILE")
+      ->required();
+  command->add_option("--page", options->page, "the paper [a4]; fit: as large as the board needs")
+      ->check(CLI::IsMember({"a4", "a3", "letter", "fit"}).description(""))
+      ->type_name("a4|a3|letter|fit");
+  command->add_option("--dpi", options->dpi, "a PNG's pixels to the inch [300]")
+      ->check(CLI::Range(20.0, 2400.0).description(""))
+      ->type_name("N");
+  addBoardOptions(*command, options->words);
+  addSightOptions(*command, *options);
+  addCommonOptions(*command, *options, Uses::kNothing, true);
+  command->footer(
+      "Examples:\n  airclay board --out board.pdf --resolution 640x480 --distance 1.1\n"
+      "  airclay board --out board.pdf --page a3 --squares 7x5 --square-mm 55\n"
+      "  airclay board --out board.png --chessboard --squares 10x7 --square-mm 25");
+  command->callback([options] { runBoard(*options); });
+}
+
+}  // namespace airclay

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: MIT
+#include "app/commands/calibration_options.h"
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "app/cli/output_paths.h"
+#include "app/cli/progress.h"
+#include "app/studio/calibration_window.h"
+#include "app/studio/window.h"
+#include "engine/core/error.h"
+
+namespace airclay {
+namespace {
+
+// Paper shrinks and rulers are read to half a millimetre over a board: less than this is no other size.
+constexpr double kSameSize = 0.002;
+// Sources whose times are arrivals: half of what a USB camera's delay varies by.
+constexpr double kUnseenSkewS = 0.008;
+constexpr auto kLookS = std::chrono::milliseconds(50);
+constexpr double kAdviceStaysS = 2;
+
+/// Until there is enough, the files are over, or Ctrl-C says that it is; advice is printed when it changes.
+void collectInTerminal(const CalibrationWords& words, LiveCalibration& calibration) {
+  std::string said;
+  Clock::time_point said_at{};
+  try {
+    Progress progress("collecting views", 100, words.talks());
+    for (;;) {
+      std::this_thread::sleep_for(kLookS);
+      const LiveCalibration::State state = calibration.state();
+      progress.reach(state.share);
+      if (state.enough || state.ended) return;
+      if (state.advice == said || secondsBetween(said_at, Clock::now()) < kAdviceStaysS) continue;
+      said = state.advice;
+      said_at = Clock::now();
+      if (!said.empty()) say(words, said);
+    }
+  } catch (const Interrupted&) {  // that is enough
+  }
+}
+
+LiveCalibration::State finishInTerminal(const CalibrationWords& words, LiveCalibration& calibration) {
+  calibration.finish();
+  Progress progress("making the rig", 100, words.talks());
+  for (;;) {
+    std::this_thread::sleep_for(kLookS);
+    const LiveCalibration::State state = calibration.state();
+    progress.reach(state.work_share);
+    if (!state.result.empty() || !state.fault.empty()) return state;
+  }
+}
+
+}  // namespace
+
+void CalibrationWords::collectLive(LiveCameras& running, const Board& of,
+                                   const LiveCalibration::Finish& make) const {
+  LiveCalibration::Options options{.board = of, .collector = {.wanted = wanted}, .finish = make, .wake = {}};
+  for (const CameraStatus& camera : running.status())
+    if (camera.times == TimeOrigin::kArrival) options.collector.unseen_skew_s = kUnseenSkewS;
+  LiveCalibration::State last;
+  if (!headless && Window::possible()) {
+    CommandGpu gpu(*this);
+    last = showCalibration(gpu, running, options);
+  } else {
+    LiveCalibration calibration(running, options);
+    collectInTerminal(*this, calibration);
+    last = finishInTerminal(*this, calibration);
+  }
+  if (last.result.empty())
+    throw Error(last.fault.empty() ? "the window was closed before there was a rig; nothing was written"
+                                   : last.fault);
+}
+
+Board CalibrationWords::measuredBoard(std::vector<std::string>& warnings) const {
+  Board measured = board.board();
+  if (measured_square_mm <= 0) return measured;
+  const double square_m = measured_square_mm / 1000, ratio = square_m / measured.square_m;
+  if (ratio < 0.5 || ratio > 2)
+    throw Error("--check-square-mm " + fixed(measured_square_mm, 2) + " is not the size of a square of " +
+                    fixed(1000 * measured.square_m, 2) +
+                    " mm; the measured length of one square, in millimetres, would be right",
+                Fault::kUsage);
+  if (std::abs(ratio - 1) > kSameSize)
+    warnings.push_back("the board was printed at " + fixed(100 * ratio, 1) + " %: its squares are " +
+                       fixed(1000 * square_m, 2) + " mm, not " + fixed(1000 * measured.square_m, 2) +
+                       "; the rig is of the measured size, and --square-mm " + fixed(1000 * square_m, 2) +
+                       " says so from now on");
+  measured.square_m = square_m;
+  measured.marker_m *= ratio;
+  return measured;
+}
+
+std::vector<CameraViews> CalibrationWords::findBoards(BoardRecording& recording, const Board& of,
+                                                      std::vector<std::string>& warnings) const {
+  warnings.insert(warnings.end(), recording.notes().begin(), recording.notes().end());
+  const WorkProgress progress("looking for the board", talks());
+  return recording.findBoards(BoardDetector(of), search);
+}
+
+void CalibrationWords::check() const {
+  if (take.empty() && !live())
+    throw Error(
+        "say where the board is seen: a recording, TAKE, or cameras that run, --camera NAME=SOURCE for each, "
+        "would be right",
+        Fault::kUsage);
+  if (!take.empty() && live())
+    throw Error("a recording and cameras that run cannot be had at once; TAKE or --camera would be right",
+                Fault::kUsage);
+  checkWritable(out);
+  if (!picture.empty()) checkWritable(picture);
+}
+
+void CalibrationWords::write(const Calibration& found, const Board& of, const std::string& hint) const {
+  try {
+    checkRig(found.rig, out);
+  } catch (const Error& error) {
+    throw Error(error.what() + (" (" + hint + ")"));
+  }
+  writeRig(out, found.rig);
+  if (!picture.empty()) drawCalibration(picture, of, found);
+}
+
+void addCalibrationOptions(CLI::App& command, CalibrationWords& words) {
+  command
+      .add_option("TAKE", words.take,
+                  "the recording: a folder with a video NAME.mp4, .mkv or .avi, or pictures NAME/000000.png "
+                  "and on, of each camera; timestamps.csv is used where there is one; none with --camera")
+      ->type_name("");
+  addCameraOptions(command, words.cameras);
+  command.add_flag("--headless", words.headless, "live: open no window, though there be a display");
+  command.add_option("--out", words.out, "where the calibrated rig goes")->type_name("RIG.toml")->required();
+  command.add_option("--picture", words.picture, "where a picture of the rig and what is left over goes")
+      ->type_name("FILE.png");
+  addBoardOptions(command, words.board);
+  command
+      .add_option("--check-square-mm", words.measured_square_mm,
+                  "a square's edge as measured on the print: another size than --square-mm is said, and used")
+      ->check(CLI::PositiveNumber.description(""))
+      ->type_name("MM");
+  command
+      .add_option("--every", words.search.every, "look at every Nth frame [as many as make 150 of a camera]")
+      ->check(CLI::Range(1, 1'000'000).description(""))
+      ->type_name("N");
+  addCommonOptions(command, words, Uses::kDevice, true);
+}
+
+void addWorldOption(CLI::App& command, std::optional<int>& frame, const std::string& otherwise) {
+  command
+      .add_option(
+          "--world", frame,
+          "the frame in which the board lies on the table: its middle is the world's origin, z up, x along "
+          "its rows [" +
+              otherwise + "]")
+      ->check(CLI::NonNegativeNumber.description(""))
+      ->type_name("N");
+}
+
+std::vector<std::string> resultLines(const Calibration& found, const CalibrationWords& words) {
+  std::vector<std::string> lines;
+  for (std::size_t i = 0; i < found.cameras.size(); ++i)
+    lines.push_back(found.rig.cameras[i].name + ": " + fixed(found.cameras[i].rms_px, 2) + " px RMS in " +
+                    std::to_string(found.cameras[i].views) + " views");
+  lines.push_back("lengths on the board are off by " + scaleWords(found));
+  lines.push_back(outputWords(words));
+  lines.insert(lines.end(), found.warnings.begin(), found.warnings.end());
+  return lines;
+}
+
+std::string scaleWords(const Calibration& found) {
+  return found.scale_error_mm ? fixed(*found.scale_error_mm, 2) + " mm RMS" : "an unknown amount";
+}
+
+std::string outputWords(const CalibrationWords& words) {
+  return "rig in " + words.out + (words.picture.empty() ? "" : ", and how it looks in " + words.picture);
+}
+
+nlohmann::ordered_json scaleJson(const Calibration& found) {
+  return found.scale_error_mm ? nlohmann::ordered_json(*found.scale_error_mm) : nullptr;
+}
+
+}  // namespace airclay

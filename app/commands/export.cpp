@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+// `airclay export`: clay for other programs, the cage or the surface, with a word on whether it can be
+// printed.
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "app/cli/clay_options.h"
+#include "app/cli/command.h"
+#include "app/cli/output_paths.h"
+#include "app/cli/progress.h"
+#include "engine/clay/document.h"
+#include "engine/clay/presets.h"
+#include "engine/core/error.h"
+#include "engine/mesh/mesh_export.h"
+
+namespace airclay {
+namespace {
+
+struct ExportOptions : CommonOptions {
+  std::string clay, out, what = "surface";
+  ClayWords words;
+};
+
+/// A document's own level and rule are what it is exported with, unless the words say otherwise.
+ClayState clayOf(const ExportOptions& options) {
+  ClayState clay;
+  if (options.clay.ends_with(".clay"))
+    clay = Document::open(options.clay).state();
+  else
+    clay.cage = loadCage(options.clay);
+  options.words.applyTo(clay);
+  return clay;
+}
+
+std::string wordsOn(const MeshExport& written) {
+  if (!written.watertight())
+    return "it has " + std::to_string(written.open_edges) + " open edges: a slicer will not print it";
+  if (written.volume_m3 < 0) return "it is watertight but inside out: its faces run clockwise";
+  return "it is watertight, " + fixed(1e6 * written.volume_m3, 1) + " cm3";
+}
+
+std::string sizeOf(const MeshExport& written) {
+  const Vec3 size_mm = 1000 * written.size_m;
+  return fixed(size_mm.x(), 1) + " x " + fixed(size_mm.y(), 1) + " x " + fixed(size_mm.z(), 1) + " mm";
+}
+
+void runExport(const ExportOptions& options) {
+  const bool cage_alone = options.what == "cage";
+  if (cage_alone && options.words.levelsGiven())
+    throw Error("--levels is how often the surface is subdivided; leave it out with --what cage",
+                Fault::kUsage);
+  meshFormatOf(options.out);
+  checkWritable(options.out);
+  const MeshExport written = [&] {
+    const WorkProgress progress("exporting", options.talks());
+    const ClayState clay = clayOf(options);
+    return exportMesh(options.out, meshAtLevel(clay.cage, cage_alone ? 0 : clay.levels, clay.rule));
+  }();
+  if (options.json)
+    printJson({{"vertices", written.vertices},
+               {"faces", written.faces},
+               {"triangles", written.triangles},
+               {"watertight", written.watertight()},
+               {"open_edges", written.open_edges},
+               {"volume_cm3", 1e6 * written.volume_m3}});
+  say(options, std::to_string(written.faces) +
+                   (written.faces == written.triangles ? " triangles, " : " faces, ") + sizeOf(written) +
+                   ", in " + options.out + "; " + wordsOn(written));
+}
+
+}  // namespace
+
+void addExport(CLI::App& program, int&) {
+  CLI::App* command =
+      program.add_subcommand("export", "write clay for other programs: OBJ, PLY, STL, glTF binary");
+  const auto options = std::make_shared<ExportOptions>();
+  command
+      ->add_option(
+          "CLAY", options->clay,
+          "the clay: an OBJ of polygons, its control cage, or a preset: tube, cube, ball, slab, vase")
+      ->type_name("")
+      ->required();
+  command
+      ->add_option("--out", options->out,
+                   "where it goes; the ending says the format: .obj and .ply (polygons, metres, z up), .stl "
+                   "(triangles, millimetres, z up) or .glb (triangles, metres, y up)")
+      ->type_name("FILE")
+      ->required();
+  command->add_option("--what", options->what, "the surface [this] or the control cage")
+      ->check(CLI::IsMember({"surface", "cage"}).description(""))
+      ->type_name("surface|cage");
+  addSubdivisionOptions(*command, options->words);
+  addCommonOptions(*command, *options, Uses::kNothing, true);
+  command->footer(
+      "Examples:\n  airclay export ball --levels 4 --out ball.stl\n"
+      "  airclay export cage.obj --out clay.glb\n  airclay export pot.clay --out pot.stl");
+  command->callback([options] { runExport(*options); });
+}
+
+}  // namespace airclay

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+// `airclay figures`: the paper's figures, drawn from our own data.
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "app/cli/command.h"
+#include "app/cli/output_paths.h"
+#include "app/cli/progress.h"
+#include "app/commands/paper_figures.h"
+#include "engine/hull/carve.h"
+
+namespace airclay {
+namespace {
+
+struct FigureOptions : CommonOptions {
+  std::string out;
+};
+
+void runFigures(const FigureOptions& options) {
+  checkVoxels(options.voxels);
+  makeFolder(options.out);
+  CommandGpu gpu(options);
+  {
+    Progress progress("drawing", figureSteps(), options.talks());
+    drawFigures(gpu, options.out, options.voxels, [&] { progress.advance(); });
+  }
+  say(options, "figure1.png to figure6.png in " + options.out);
+}
+
+}  // namespace
+
+void addFigures(CLI::App& program, int&) {
+  CLI::App* command = program.add_subcommand("figures", "draw the paper's figures 1 to 6 from our own data");
+  const auto options = std::make_shared<FigureOptions>();
+  command->add_option("--out", options->out, "the folder that figure1.png to figure6.png go to")
+      ->type_name("DIR")
+      ->required();
+  addCommonOptions(*command, *options, Uses::kDeviceAndVoxels, false);
+  command->callback([options] { runFigures(*options); });
+}
+
+}  // namespace airclay

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+// `airclay offsets`: how far the cameras' clocks are apart, from a recording in which a hand moves.
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "app/cli/command.h"
+#include "app/cli/progress.h"
+#include "app/session/player.h"
+#include "capture/cameras/clock_offsets.h"
+#include "engine/core/error.h"
+
+namespace airclay {
+namespace {
+
+// A silhouette of fewer pixels is a finger at the picture's edge, or dirt.
+constexpr std::size_t kLeastPixels = 100;
+// Less than this is no difference that matters: at 1 m/s, a millimetre.
+constexpr double kSameClockS = 0.001;
+
+struct OffsetsOptions : CommonOptions {
+  TakeWords take;
+};
+
+/// The mean of a silhouette's pixels; none where it is too small.
+std::optional<Vec2> centroidOf(const Mask& mask) {
+  Vec2 sum = Vec2::Zero();
+  std::size_t count = 0;
+  for (int y = 0; y < mask.height; ++y)
+    for (int x = 0; x < mask.width; ++x)
+      if (mask.pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(mask.width) +
+                      static_cast<std::size_t>(x)]) {
+        sum += Vec2(x, y);
+        ++count;
+      }
+  if (count < kLeastPixels) return std::nullopt;
+  return sum / static_cast<double>(count);
+}
+
+/// What each camera saw move, on its own clock.
+std::vector<MotionSeries> motionIn(const OffsetsOptions& options, Take& take) {
+  CommandGpu gpu(options);
+  Pipeline pipeline(gpu, take.rig(), builtInHand(false), {options.voxels});
+  Player player(take, pipeline);
+  std::vector<MotionSeries> series(take.rig().cameras.size());
+  Progress progress("watching the hand", take.frameCount(), options.talks());
+  for (int frame = 0; const std::optional<PlayedFrame> played = player.next(); ++frame) {
+    progress.advance();
+    if (played->background) continue;
+    const std::vector<double> times_s = take.cameraTimesOf(played->frame);
+    const std::vector<Mask> masks = pipeline.gpuRig().unpack(pipeline.silhouettes().masks().host());
+    for (std::size_t c = 0; c < series.size(); ++c) {
+      const std::optional<Vec2> centroid = centroidOf(masks[c]);
+      if (!centroid || (!series[c].times_s.empty() && times_s[c] <= series[c].times_s.back())) continue;
+      series[c].times_s.push_back(times_s[c]);
+      series[c].centroid_px.push_back(*centroid);
+    }
+  }
+  return series;
+}
+
+void runOffsets(const OffsetsOptions& options) {
+  checkVoxels(options.voxels);
+  Take take = options.take.open();
+  if (take.cameraTimesOf(0).empty())
+    throw Error(options.take.folder +
+                ": its cameras have no times of their own, so they cannot differ; a recording with "
+                "timestamps.csv, as `airclay record` makes it, would be right");
+  const ClockOffsets found = estimateClockOffsets(take.rig(), motionIn(options, take));
+  nlohmann::ordered_json cameras = nlohmann::ordered_json::array();
+  std::vector<std::vector<std::string>> rows = {{"CAMERA", "TOO LATE BY", "SURE TO"}};
+  std::string words;
+  for (std::size_t c = 0; c < take.rig().cameras.size(); ++c) {
+    const std::string& name = take.rig().cameras[c].name;
+    const double offset_ms = 1000 * found.offset_s[c], deviation_ms = 1000 * found.deviation_s[c];
+    cameras.push_back({{"name", name}, {"offset_ms", offset_ms}, {"deviation_ms", deviation_ms}});
+    rows.push_back({name, fixed(offset_ms, 1) + " ms", fixed(deviation_ms, 1) + " ms"});
+    if (std::abs(found.offset_s[c]) > kSameClockS) words += " --offset " + name + "=" + fixed(offset_ms, 1);
+  }
+  if (options.json) printJson({{"cameras", cameras}});
+  if (options.talks()) printTable(rows);
+  say(options, words.empty() ? "the cameras' clocks agree"
+                             : "with cameras that run, the words that put them in step are:" + words);
+}
+
+}  // namespace
+
+void addOffsets(CLI::App& program, int&) {
+  CLI::App* command =
+      program.add_subcommand("offsets", "tell how far the cameras' clocks are apart, from a hand that moves");
+  const auto options = std::make_shared<OffsetsOptions>();
+  addTakeOptions(*command, options->take);
+  addCommonOptions(*command, *options, Uses::kDeviceAndVoxels, true);
+  command->footer(
+      "Move the hand freely about the cube for ten seconds, fast and slowly, then:\n"
+      "  airclay offsets TAKE\n  airclay record --rig rig.toml --offset left=12.5 ... --out TAKE2");
+  command->callback([options] { runOffsets(*options); });
+}
+
+}  // namespace airclay

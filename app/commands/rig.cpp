@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: MIT
+// `airclay rig convert` and `airclay rig check`: calibrations from and for other programs, and what is wrong
+// with one.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "app/cli/command.h"
+#include "app/cli/output_paths.h"
+#include "app/cli/progress.h"
+#include "app/session/player.h"
+#include "capture/takes/rig_opencv.h"
+#include "capture/takes/take_inspection.h"
+#include "engine/camera/rig_formats.h"
+#include "engine/core/error.h"
+#include "engine/mesh/mesh_file.h"
+#include "engine/silhouette/silhouette.h"
+
+namespace airclay {
+namespace {
+
+using nlohmann::ordered_json;
+
+struct RigOptions : CommonOptions {
+  std::string rig, units, center, take;
+  double edge_m = 0;  ///< 0: the rig's
+};
+
+struct ConvertOptions : RigOptions {
+  std::string to, out;
+};
+
+struct CheckOptions : RigOptions {
+  int background_frames = 10;
+};
+
+/// --center and --edge, where they were given.
+void moveWorkspace(const RigOptions& options, RigReading& reading) {
+  if (options.edge_m > 0) reading.rig.workspace.edge_m = options.edge_m;
+  if (options.center.empty()) return;
+  if (options.center != "auto") {
+    reading.rig.workspace.center = placeFrom("--center", options.center);
+    return;
+  }
+  const std::optional<Vec3> meet = whereAxesMeet(reading.rig);
+  if (!meet)
+    throw Error(reading.where + ": the cameras' axes do not meet before them; --center X,Y,Z would be right");
+  reading.rig.workspace.center = *meet;
+}
+
+RigReading readTheRig(const RigOptions& options) {
+  if (!options.center.empty() && options.center != "auto") placeFrom("--center", options.center);
+  RigReading reading = readAnyRig(options.rig, unitsOf(options.units));
+  moveWorkspace(options, reading);
+  return reading;
+}
+
+// --- convert ---
+
+/// The folder that may hold the recordings of a rig whose sizes are not written.
+std::filesystem::path recordingsOf(const ConvertOptions& options) {
+  if (!options.take.empty()) return options.take;
+  if (std::filesystem::is_directory(options.rig)) return options.rig;
+  const std::filesystem::path folder = std::filesystem::path(options.rig).parent_path();
+  return folder.empty() ? "." : folder;
+}
+
+void runConvert(const ConvertOptions& options) {
+  const RigForm form = *rigFormNamed(options.to);
+  if (form == RigForm::kEasyMocap && std::filesystem::path(options.out).has_extension())
+    throw Error("--out " + options.out + ": EasyMocap's rig is two files; a folder's name would be right",
+                Fault::kUsage);
+  RigReading reading = readTheRig(options);
+  Rig rig = reading.rigWithoutFaults();
+  const bool lacks_sizes = std::any_of(rig.cameras.begin(), rig.cameras.end(),
+                                       [](const Camera& camera) { return camera.width == 0; });
+  if (lacks_sizes) lookAtTake(recordingsOf(options), rig, {.instants = 0});
+  checkRig(rig, reading.where);
+  if (form == RigForm::kEasyMocap)
+    makeFolder(options.out);
+  else
+    checkWritable(options.out);
+  writeRigAs(form, options.out, rig);
+  for (const std::string& note : rigFormNotes(form, rig)) warn(note);
+  if (options.json) printJson({{"cameras", rig.cameras.size()}, {"form", options.to}});
+  say(options, counted(rig.cameras.size(), "camera") + ", in " + options.out);
+}
+
+// --- check ---
+
+/// All that is known of a rig.
+struct RigReport {
+  std::string where;
+  std::optional<RigFigures> figures;           ///< none of a rig that cannot be measured
+  std::vector<SilhouetteAgreement> agreement;  ///< a camera each; none without silhouettes
+  std::vector<RigFinding> findings;
+
+  void add(const std::vector<RigFinding>& more) { findings.insert(findings.end(), more.begin(), more.end()); }
+  std::size_t faults() const {
+    return std::size_t(std::count_if(findings.begin(), findings.end(), [](const RigFinding& finding) {
+      return finding.severity == Severity::kFault;
+    }));
+  }
+};
+
+/// A file that cannot be read at all has one fault, its own.
+RigReport reportOn(const CheckOptions& options) {
+  RigReport report;
+  report.where = options.rig;
+  RigReading reading;
+  try {
+    reading = readTheRig(options);
+  } catch (const Error& error) {
+    if (error.fault() == Fault::kUsage) throw;
+    // The other file of a pair is named by itself.
+    if (!std::string(error.what()).starts_with(report.where))
+      report.where = std::filesystem::path(options.rig).parent_path().string();
+    report.findings.push_back(faultFrom(error, report.where));
+    return report;
+  }
+  report.where = reading.where;
+  report.add(reading.faults);
+  RigTake take;
+  if (!options.take.empty()) {
+    const WorkProgress progress("looking at the recording", options.talks());
+    take = lookAtTake(options.take, reading.rig, {.background_frames = options.background_frames});
+    report.add(take.findings);
+  }
+  const std::vector<RigFinding> faults = rigFaults(reading.rig);
+  report.add(faults);
+  if (!canBeMeasured(reading.rig)) return report;
+  report.figures = measureRig(reading.rig);
+  report.add(rigSuspicions(reading.rig));
+  const bool fits = take.findings.empty() && reading.faults.empty() && reading.rig.cameras.size() >= 2;
+  if (!fits || take.instants.empty()) return report;
+  const WorkProgress progress("carving", options.talks());
+  report.agreement = silhouetteAgreement(reading.rig, take.instants);
+  report.add(silhouetteFindings(reading.rig, take.instants, report.agreement, take.trust));
+  return report;
+}
+
+ordered_json jsonOf(const RigReport& report) {
+  ordered_json cameras = ordered_json::array(), findings = ordered_json::array();
+  for (std::size_t i = 0; report.figures && i < report.figures->cameras.size(); ++i) {
+    const CameraFigures& figures = report.figures->cameras[i];
+    ordered_json camera = {{"name", figures.name},
+                           {"size", {figures.width, figures.height}},
+                           {"view_deg", figures.view_deg},
+                           {"distance_m", figures.distance_m},
+                           {"pixels_per_mm", figures.pixels_per_mm},
+                           {"seen", figures.seen_share}};
+    if (!report.agreement.empty()) camera["explained"] = report.agreement[i].explainedShare();
+    cameras.push_back(camera);
+  }
+  for (const RigFinding& finding : report.findings)
+    findings.push_back({{"camera", finding.camera},
+                        {"severity", finding.severity == Severity::kFault ? "fault" : "suspicion"},
+                        {"what", finding.what}});
+  ordered_json object = {{"cameras", cameras}};
+  if (report.figures) object["seen_by_two"] = report.figures->seen_by_two;
+  object["findings"] = findings;
+  object["ok"] = report.faults() == 0;
+  return object;
+}
+
+std::string percent(double share) {
+  return fixed(100 * share, 0) + " %";
+}
+
+void printReport(const RigReport& report) {
+  if (report.figures) {
+    std::vector<std::vector<std::string>> rows = {
+        {"CAMERA", "SIZE", "VIEW", "DISTANCE", "PIXELS/MM", "SEES OF CUBE"}};
+    if (!report.agreement.empty()) rows[0].push_back("SILHOUETTE EXPLAINED");
+    for (std::size_t i = 0; i < report.figures->cameras.size(); ++i) {
+      const CameraFigures& camera = report.figures->cameras[i];
+      rows.push_back({camera.name, std::to_string(camera.width) + " x " + std::to_string(camera.height),
+                      fixed(camera.view_deg, 1) + " deg", fixed(camera.distance_m, 3) + " m",
+                      fixed(camera.pixels_per_mm, 2), percent(camera.seen_share)});
+      if (!report.agreement.empty()) rows.back().push_back(percent(report.agreement[i].explainedShare()));
+    }
+    printTable(rows);
+    std::puts(("two cameras or more see " + percent(report.figures->seen_by_two) + " of the cube").c_str());
+  }
+  for (const RigFinding& finding : report.findings) {
+    const std::string whose = finding.camera.empty() ? "" : "camera \"" + finding.camera + "\": ";
+    const std::string line =
+        (finding.severity == Severity::kFault ? "fault: " : "suspicion: ") + whose + finding.what;
+    std::puts(oneLine(line).c_str());
+  }
+  if (report.findings.empty()) std::puts("nothing is wrong with it");
+}
+
+void runCheck(const CheckOptions& options, int& status) {
+  const RigReport report = reportOn(options);
+  if (options.json) printJson(jsonOf(report));
+  if (options.talks()) printReport(report);
+  const std::size_t faults = report.faults();
+  if (faults == 0) return;
+  const auto first =
+      std::find_if(report.findings.begin(), report.findings.end(),
+                   [](const RigFinding& finding) { return finding.severity == Severity::kFault; });
+  warn(faultMessage(*first, report.where) +
+       (faults > 1 ? " (and " + counted(faults - 1, "more fault") + ")" : ""));
+  status = static_cast<int>(Fault::kInput);
+}
+
+void addRigOptions(CLI::App& command, RigOptions& options) {
+  command
+      .add_option(
+          "RIG", options.rig,
+          "a rig's file: TOML of Airclay, Anipose, FreeMoCap, Pose2Sim or Caliscope, OpenCV's YAML of "
+          "EasyMocap or of a stereo calibration; or a folder with one")
+      ->type_name("")
+      ->required();
+  command.add_option("--units", options.units, "the rig's unit, where its file doesn't say: m or mm")
+      ->check(CLI::IsMember({"m", "mm"}).description(""))
+      ->type_name("m|mm");
+  command
+      .add_option("--center", options.center,
+                  "the cube's centre in the rig's world, metres; auto: where the cameras look [the rig's]")
+      ->type_name("X,Y,Z|auto");
+  command.add_option("--edge", options.edge_m, "the cube's edge, metres [the rig's, else 0.6]")
+      ->check(CLI::Range(1e-3, 1e4).description(""))
+      ->type_name("M");
+}
+
+void addConvert(CLI::App& rig) {
+  CLI::App* command = rig.add_subcommand("convert", "write a rig for another program, or another's for us");
+  const auto options = std::make_shared<ConvertOptions>();
+  addRigOptions(*command, *options);
+  command
+      ->add_option("--to", options->to,
+                   "whose form: airclay, anipose (FreeMoCap's, too), caliscope, pose2sim, easymocap")
+      ->check(CLI::IsMember({"airclay", "anipose", "caliscope", "pose2sim", "easymocap"}).description(""))
+      ->type_name("FORM")
+      ->required();
+  command->add_option("--out", options->out, "where it goes, in metres; for easymocap a folder")
+      ->type_name("FILE|FOLDER")
+      ->required();
+  command
+      ->add_option("--take", options->take,
+                   "the recording that says the pictures' sizes, where the rig doesn't [the rig's folder]")
+      ->type_name("TAKE");
+  addCommonOptions(*command, *options, Uses::kNothing, true);
+  command->footer(
+      "Examples:\n  airclay rig convert camera_array.toml --to airclay --center auto --out rig.toml\n"
+      "  airclay rig convert calibration.toml --units mm --to airclay --out rig.toml\n"
+      "  airclay rig convert rig.toml --to easymocap --out for_easymocap");
+  command->callback([options] { runConvert(*options); });
+}
+
+void addCheck(CLI::App& rig, int& status) {
+  CLI::App* command =
+      rig.add_subcommand("check", "say all that is wrong with a rig, or with a rig and a recording");
+  const auto options = std::make_shared<CheckOptions>();
+  addRigOptions(*command, *options);
+  command
+      ->add_option("TAKE", options->take,
+                   "a recording of it: sizes, names, and whether what the cameras saw agrees with the rig")
+      ->type_name("");
+  command
+      ->add_option("--background", options->background_frames,
+                   "how many first frames show the empty workspace, where the take has no background/ [10], "
+                   "at most 256")
+      ->check(CLI::Range(1, static_cast<int>(kMaxLearnFrames)).description(""))
+      ->type_name("N");
+  addCommonOptions(*command, *options, Uses::kNothing, true);
+  command->footer(
+      "Exit status 1 where there is a fault; what is only suspicious is said.\n"
+      "Examples:\n  airclay rig check rig.toml\n  airclay rig check rig.toml TAKE --json");
+  command->callback([options, &status] { runCheck(*options, status); });
+}
+
+}  // namespace
+
+void addRig(CLI::App& program, int& status) {
+  CLI::App* command = program.add_subcommand("rig", "check a rig, or convert it from and for other programs");
+  command->require_subcommand(1);
+  addConvert(*command);
+  addCheck(*command, status);
+}
+
+}  // namespace airclay

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: MIT
+// `airclay serve`: the cameras of this machine as RTSP streams, for Airclay on another one.
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "app/cli/camera_options.h"
+#include "app/cli/command.h"
+#include "app/cli/progress.h"
+#include "capture/cameras/stream_server.h"
+#include "engine/core/error.h"
+
+namespace airclay {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr auto kLookAgain = std::chrono::milliseconds(50);
+
+struct ServeOptions : CommonOptions {
+  CameraWords cameras;
+  std::string address = "127.0.0.1";
+  int port = 8554;
+  double for_s = 0;  ///< 0: until Ctrl-C, or the end of files
+};
+
+/// Says once, as it happens, that a camera froze, was lost or ended, and that it is back.
+class Watcher {
+ public:
+  void look(const std::vector<StreamStatus>& all) {
+    said_.resize(all.size(), CameraState::kLive);
+    for (std::size_t c = 0; c < all.size(); ++c) {
+      const CameraStatus& camera = all[c].camera;
+      const CameraState now = whatMatters(camera.state);
+      if (now == said_[c]) continue;
+      said_[c] = now;
+      std::string line = "camera \"" + camera.name + "\" is ";
+      if (now == CameraState::kLive)
+        line += "back";
+      else if (now == CameraState::kEnded)
+        line += "over; with --loop it would begin anew";
+      else if (now == CameraState::kLost && !camera.fault.empty())
+        line = camera.fault + "; it is opened again once a second, and the others go on";
+      else
+        line += std::string(wordsOn(now)) + "; the others go on";
+      warn(line);
+    }
+  }
+
+ private:
+  static CameraState whatMatters(CameraState state) {
+    if (state == CameraState::kLate) return CameraState::kLive;
+    return state == CameraState::kReconnecting ? CameraState::kLost : state;
+  }
+  std::vector<CameraState> said_;
+};
+
+void sayAddresses(const ServeOptions& options, const StreamServer& server) {
+  for (const StreamStatus& stream : server.status())
+    say(options, stream.address + "  " + std::to_string(stream.camera.size.width) + "x" +
+                     std::to_string(stream.camera.size.height) + " at " + fixed(stream.camera.rate_hz, 2) +
+                     " Hz");
+  if (options.address == "0.0.0.0" || options.address == "::")
+    say(options, "this machine's name or address goes in the place of " + options.address);
+  if (options.for_s == 0) say(options, "Ctrl-C ends it");
+  std::fflush(stdout);  // who starts it from a script waits for these lines
+  if (!options.address.starts_with("127.") && options.address != "::1")
+    warn("anyone who reaches port " + std::to_string(server.port()) +
+         " of this machine can watch its cameras; "
+         "there is no password");
+}
+
+/// \throw Interrupted
+void run(const ServeOptions& options, const StreamServer& server, Progress& progress) {
+  Watcher watcher;
+  const Clock::time_point start = Clock::now();
+  while (!server.ended() && (options.for_s == 0 || secondsBetween(start, Clock::now()) < options.for_s)) {
+    progress.reach(0);
+    std::this_thread::sleep_for(kLookAgain);
+    watcher.look(server.status());
+  }
+}
+
+Json figures(const std::vector<StreamStatus>& all) {
+  Json cameras = Json::array();
+  for (const StreamStatus& one : all)
+    cameras.push_back({{"name", one.camera.name},
+                       {"address", one.address},
+                       {"width", one.camera.size.width},
+                       {"height", one.camera.size.height},
+                       {"frames", one.camera.frames},
+                       {"streamed", one.streamed},
+                       {"drops", one.camera.drops},
+                       {"reconnects", one.camera.reconnects}});
+  return {{"cameras", cameras}};
+}
+
+void runServe(const ServeOptions& options) {
+  if (!options.cameras.given())
+    throw Error("say which cameras: --camera NAME=SOURCE, once for each", Fault::kUsage);
+  if (!(options.for_s >= 0)) throw Error("--for takes a number of seconds above 0", Fault::kUsage);
+  const std::vector<NamedSource> sources = options.cameras.sources();
+  Progress progress("serving", 1, false);
+  const StreamServer server(sources, {options.address, options.port, options.cameras.sourceOptions()});
+  sayAddresses(options, server);
+  try {
+    run(options, server, progress);
+  } catch (const Interrupted&) {
+    // how it is ended without --for
+  }
+  const std::vector<StreamStatus> last = server.status();
+  if (options.json) printJson(figures(last));
+  std::string line;
+  for (const StreamStatus& one : last)
+    line +=
+        (line.empty() ? "pictures streamed: " : ", ") + one.camera.name + " " + std::to_string(one.streamed);
+  say(options, line);
+}
+
+}  // namespace
+
+void addServe(CLI::App& program, int&) {
+  CLI::App* command =
+      program.add_subcommand("serve", "stream this machine's cameras to Airclay on another one");
+  const auto options = std::make_shared<ServeOptions>();
+  addCameraOptions(*command, options->cameras);
+  for (const char* of_sets : {"--offset", "--max-skew-ms"})
+    command->remove_option(command->get_option(of_sets));
+  command
+      ->add_option(
+          "--address", options->address,
+          "where it listens, one of this machine's addresses [127.0.0.1: this machine alone; 0.0.0.0: "
+          "all that reach it can watch]")
+      ->type_name("ADDRESS");
+  command->add_option("--port", options->port, "[8554]; 0: any that is free")->type_name("N");
+  command->add_option("--for", options->for_s, "how long [until Ctrl-C]")->type_name("SECONDS");
+  addCommonOptions(*command, *options, Uses::kNothing, true);
+  command->footer(
+      "Examples:\n  airclay serve --camera left=0 --camera right=2 --mode 640x480@30 --address 0.0.0.0\n"
+      "  airclay cameras --camera left=rtsp://10.0.0.7:8554/left --watch      (on the other machine)");
+  command->callback([options] { runServe(*options); });
+}
+
+}  // namespace airclay

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: MIT
+// `airclay subdivide` and `airclay deform`: the clay's mathematics alone, eq. (5) and eq. (6)-(8), in double
+// precision on the CPU.
+#include "engine/clay/subdivide.h"
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "app/cli/clay_options.h"
+#include "app/cli/command.h"
+#include "engine/clay/presets.h"
+#include "engine/clay/solve.h"
+#include "engine/mesh/mesh_file.h"
+
+namespace airclay {
+namespace {
+
+struct SubdivideOptions : CommonOptions {
+  std::string cage, out;
+  ClayWords clay;
+};
+
+struct DeformOptions : SubdivideOptions {
+  std::string moves, cage_out;
+};
+
+PolygonMesh surfaceOf(const Subdivision& subdivision, const std::vector<Vec3>& control_points) {
+  PolygonMesh surface;
+  surface.points = dataPoints(subdivision.matrix, control_points);
+  for (const std::array<int, 4>& quad : subdivision.quads)
+    surface.faces.emplace_back(quad.begin(), quad.end());
+  return surface;
+}
+
+void runSubdivide(const SubdivideOptions& options) {
+  const PolygonMesh cage = loadCage(options.cage);
+  const Subdivision subdivision = subdivide(cage, options.clay.levels, options.clay.subdivisionRule());
+  const PolygonMesh surface = surfaceOf(subdivision, cage.points);
+  writeObj(options.out, surface);
+  if (options.json)
+    printJson({{"control_points", cage.points.size()}, {"data_points", surface.points.size()}});
+  say(options, std::to_string(cage.points.size()) + " control points, " +
+                   std::to_string(surface.points.size()) + " data points in " + options.out);
+}
+
+void runDeform(const DeformOptions& options) {
+  PolygonMesh cage = loadCage(options.cage);
+  const Subdivision subdivision = subdivide(cage, options.clay.levels, options.clay.subdivisionRule());
+  const std::vector<Move> moves = readMoves(options.moves, static_cast<int>(subdivision.matrix.rows()));
+  cage.points = solveControlPoints(subdivision.matrix, cage.points, moves, options.clay.solveRows());
+  const PolygonMesh surface = surfaceOf(subdivision, cage.points);
+  double farthest_m = 0;
+  for (const Move& move : moves)
+    farthest_m =
+        std::max(farthest_m, (surface.points[static_cast<std::size_t>(move.index)] - move.target).norm());
+  writeObj(options.cage_out, cage);
+  writeObj(options.out, surface);
+  if (options.json)
+    printJson({{"moves", moves.size()},
+               {"control_points", cage.points.size()},
+               {"data_points", surface.points.size()},
+               {"farthest_from_target_m", farthest_m}});
+  say(options, std::to_string(moves.size()) + " moves; the surface ends within " +
+                   fixed(1000 * farthest_m, 3) + " mm of each; control points in " + options.cage_out +
+                   ", surface in " + options.out);
+}
+
+void addCage(CLI::App& command, SubdivideOptions& options) {
+  command
+      .add_option("CAGE", options.cage,
+                  "the control cage: an OBJ of polygons, or a preset: tube, cube, ball, slab, vase")
+      ->type_name("")
+      ->required();
+  command.add_option("--out", options.out, "where the surface goes")->type_name("SURFACE.obj")->required();
+  addSubdivisionOptions(command, options.clay);
+}
+
+}  // namespace
+
+bool ClayWords::levelsGiven() const {
+  return levels_option && levels_option->count() > 0;
+}
+
+void ClayWords::applyTo(ClayState& state) const {
+  if (levelsGiven()) state.levels = levels;
+  if (rule_option && rule_option->count() > 0) state.rule = subdivisionRule();
+  if (solve_option && solve_option->count() > 0) state.solve = solveRows();
+}
+
+void addSubdivisionOptions(CLI::App& command, ClayWords& words, Otherwise otherwise) {
+  const bool marked = otherwise == Otherwise::kDefault;
+  words.levels_option =
+      command
+          .add_option("--levels", words.levels,
+                      std::string("how often the cage is subdivided") + (marked ? " [2]" : ""))
+          ->type_name("N");
+  words.rule_option = command
+                          .add_option("--rule", words.rule,
+                                      std::string("how a vertex point is weighed: catmull-clark") +
+                                          (marked ? " [this]" : "") + " or printed, the paper's eq. (4)")
+                          ->check(CLI::IsMember({"catmull-clark", "printed"}).description(""))
+                          ->type_name("RULE");
+}
+
+void addSolveOption(CLI::App& command, ClayWords& words, Otherwise otherwise) {
+  words.solve_option = command
+                           .add_option("--solve", words.solve,
+                                       std::string("over which data points: all") +
+                                           (otherwise == Otherwise::kDefault ? " [this]" : "") +
+                                           " or touched, the moved ones alone")
+                           ->check(CLI::IsMember({"all", "touched"}).description(""))
+                           ->type_name("ROWS");
+}
+
+void addSubdivide(CLI::App& program, int&) {
+  CLI::App* command =
+      program.add_subcommand("subdivide", "subdivide a control cage into its surface, eq. (5)");
+  const auto options = std::make_shared<SubdivideOptions>();
+  addCage(*command, *options);
+  addCommonOptions(*command, *options, Uses::kNothing, true);
+  command->footer(
+      "Examples:\n  airclay subdivide tube --out surface.obj\n"
+      "  airclay subdivide cage.obj --levels 3 --rule printed --out surface.obj");
+  command->callback([options] { runSubdivide(*options); });
+}
+
+void addDeform(CLI::App& program, int&) {
+  CLI::App* command =
+      program.add_subcommand("deform", "move points of the surface and solve for the cage, eq. (6)-(8)");
+  const auto options = std::make_shared<DeformOptions>();
+  addCage(*command, *options);
+  addSolveOption(*command, options->clay);
+  command
+      ->add_option("--moves", options->moves,
+                   "the moves: header index,x,y,z, then a data point (0-based, in the order that subdivide "
+                   "writes) and "
+                   "where it goes, metres")
+      ->type_name("MOVES.csv")
+      ->required();
+  command->add_option("--cage-out", options->cage_out, "where the new control cage goes")
+      ->type_name("CAGE.obj")
+      ->required();
+  addCommonOptions(*command, *options, Uses::kNothing, true);
+  command->footer("Example:\n  airclay deform tube --moves moves.csv --out surface.obj --cage-out cage.obj");
+  command->callback([options] { runDeform(*options); });
+}
+
+}  // namespace airclay

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+// `airclay track`: hand poses alone, from a recording.
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "app/cli/command.h"
+#include "app/cli/output_paths.h"
+#include "app/cli/progress.h"
+#include "app/session/tracking_summary.h"
+#include "engine/core/error.h"
+
+namespace airclay {
+namespace {
+
+struct TrackOptions : CommonOptions {
+  TakeWords take;
+  std::string poses, hand = "right", fit = "paper";
+};
+
+void runTrack(const TrackOptions& options) {
+  checkFit(options.fit);
+  checkVoxels(options.voxels);
+  checkWritable(options.poses);
+  Take take = options.take.open();
+  const HandModel hand = loadHand(options.hand);
+  CommandGpu gpu(options);
+  Pipeline pipeline(gpu, take.rig(), hand, {options.voxels});
+  Player player(take, pipeline);
+  Tracking tracking;
+  {
+    Progress progress("tracking", take.frameCount(), options.talks());
+    while (const std::optional<PlayedFrame> frame = player.next()) {
+      tracking.add(*frame, &take);
+      progress.advance();
+    }
+  }
+  writePoses(options.poses, tracking.poses());
+  if (options.json) printJson(tracking.json());
+  for (const std::string& line : tracking.words()) say(options, line);
+  say(options, "poses in " + options.poses);
+}
+
+}  // namespace
+
+void addHandOption(CLI::App& command, std::string& hand) {
+  command.add_option("--hand", hand, "right [this], left, or a skinned glTF binary with WebXR's joint names")
+      ->type_name("right|left|FILE.glb");
+}
+
+void addFitOption(CLI::App& command, std::string& fit) {
+  command.add_option("--fit", fit, "how the hand is fitted: paper [this], as published")
+      ->check(CLI::IsMember({"paper", "robust"}).description(""))
+      ->type_name("FIT");
+}
+
+void checkFit(const std::string& fit) {
+  if (fit != "paper")
+    throw Error("--fit " + fit + " does not exist yet; --fit paper is the only one", Fault::kUsage);
+}
+
+void addTrack(CLI::App& program, int&) {
+  CLI::App* command =
+      program.add_subcommand("track", "follow the hand through a recording and write its poses");
+  const auto options = std::make_shared<TrackOptions>();
+  addTakeOptions(*command, options->take);
+  command
+      ->add_option(
+          "--poses", options->poses,
+          "where the poses go, a line a tracked frame: timestamp tx ty tz qx qy qz qw (world_from_hand)")
+      ->type_name("OUT.tum")
+      ->required();
+  addHandOption(*command, options->hand);
+  addFitOption(*command, options->fit);
+  addCommonOptions(*command, *options, Uses::kDeviceAndVoxels, true);
+  command->footer("Example:\n  airclay track TAKE --poses hand.tum --json");
+  command->callback([options] { runTrack(*options); });
+}
+
+}  // namespace airclay

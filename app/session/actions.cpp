@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: MIT
+#include "app/session/actions.h"
+
+#include <sstream>
+
+#include "engine/core/error.h"
+#include "engine/core/file_io.h"
+
+namespace airclay {
+namespace {
+
+using What = Deed::What;
+
+// 400 bytes a frame of the mouse's hand: six hours at 60 Hz are half of it.
+constexpr std::size_t kMostBytes = std::size_t(1) << 30;
+constexpr int kFormat = 1;
+
+constexpr const char* kTools[] = {"push", "pull", "smooth"};
+constexpr const char* kRules[] = {"catmull-clark", "printed"};
+constexpr const char* kSolves[] = {"all", "touched"};
+// In the order of Deed::What.
+constexpr const char* kDeeds[] = {"stroke", "undo", "redo",     "refine", "form",
+                                  "turn",   "clay", "document", "again",  "empty"};
+
+std::string wordOf(const Symmetry& symmetry) {
+  const std::string axes =
+      std::string(symmetry.x ? "x" : "") + (symmetry.y ? "y" : "") + (symmetry.z ? "z" : "");
+  return axes.empty() ? "-" : axes;
+}
+
+/// The words of one line, taken from the left.
+class Line {
+ public:
+  Line(const std::string& where, std::string_view text) : where_(where), words_(std::string(text)) {}
+
+  [[noreturn]] void fail(const std::string& right) const {
+    throw Error(where_ + ": " + right + " would be right");
+  }
+  /// Empty past the last.
+  std::string word() {
+    std::string word;
+    words_ >> word;
+    return word;
+  }
+  /// All that is left.
+  std::string rest() {
+    std::string text;
+    std::getline(words_ >> std::ws, text);
+    return text;
+  }
+  double number(const std::string& right) {
+    const std::optional<double> value = parseNumber(word());
+    if (!value) fail(right);
+    return *value;
+  }
+  int whole(int low, int high, const std::string& right) {
+    const double value = number(right);
+    if (value < low || value > high || value != static_cast<int>(value)) fail(right);
+    return static_cast<int>(value);
+  }
+  template <std::size_t n>
+  int oneOf(const char* const (&words)[n], const std::string& right) {
+    const std::string found = word();
+    for (std::size_t i = 0; i < n; ++i)
+      if (found == words[i]) return static_cast<int>(i);
+    fail(right);
+  }
+  /// A file that lies beside: a name, no path.
+  std::string fileBeside() {
+    const std::string name = word();
+    if (name.empty() || name.find('/') != std::string::npos || name.starts_with("."))
+      fail("the name of a file beside it");
+    return name;
+  }
+  void end() {
+    if (!word().empty()) fail("nothing after this line's last value");
+  }
+
+ private:
+  const std::string& where_;
+  std::istringstream words_;
+};
+
+Symmetry readSymmetry(Line& line) {
+  Symmetry symmetry;
+  for (const char axis : line.word()) {
+    if (axis != '-' && axis != 'x' && axis != 'y' && axis != 'z') line.fail("a symmetry, x, y, z or -,");
+    symmetry.x |= axis == 'x';
+    symmetry.y |= axis == 'y';
+    symmetry.z |= axis == 'z';
+  }
+  return symmetry;
+}
+
+std::optional<Pose> readHand(Line& line) {
+  const std::string first = line.word();
+  if (first == "nobody") return std::nullopt;
+  Pose pose = Pose::Identity();
+  for (int i = 0; i < 12; ++i) {
+    const std::optional<double> value = parseNumber(i == 0 ? first : line.word());
+    if (!value) line.fail("12 numbers for the hand, or `nobody`,");
+    pose.matrix()(i / 4, i % 4) = *value;
+  }
+  return pose;
+}
+
+DoneFrame readFrame(Line& line, bool by_mouse) {
+  DoneFrame frame;
+  frame.time_s = line.number("the frame's time in seconds");
+  frame.step_s = line.number("the seconds since the last frame");
+  frame.tool = static_cast<Tool>(line.oneOf(kTools, "push, pull or smooth"));
+  frame.symmetry = readSymmetry(line);
+  frame.held = line.whole(0, 1, "0 or 1 for the clutch") == 1;
+  frame.steady = line.whole(0, 1, "0 or 1 for the filter") == 1;
+  if (by_mouse) frame.given_hand = readHand(line);
+  const std::string more = by_mouse ? "" : line.word();
+  if (more == "without")
+    frame.absent = static_cast<std::uint32_t>(line.number("the missing cameras' bits"));
+  else if (!more.empty())
+    line.fail("`without` and bits, or nothing more,");
+  line.end();
+  return frame;
+}
+
+std::optional<Deed> readDeed(const std::string& word, Line& line) {
+  Deed deed;
+  int what = -1;
+  for (int i = 0; i < static_cast<int>(std::size(kDeeds)); ++i)
+    if (word == kDeeds[i]) what = i;
+  if (what < 0) return std::nullopt;
+  deed.what = static_cast<What>(what);
+  if (deed.what == What::kForm) {
+    deed.levels = line.whole(1, kMaxStateLevels, "a level from 1 to " + std::to_string(kMaxStateLevels));
+    deed.rule = static_cast<SubdivisionRule>(line.oneOf(kRules, "catmull-clark or printed"));
+    deed.solve = static_cast<SolveRows>(line.oneOf(kSolves, "all or touched"));
+  } else if (deed.what == What::kTurn) {
+    for (double& value : deed.axis) value = line.number("the axis x y z");
+    deed.angle_rad = line.number("the angle in radians");
+    deed.last = line.oneOf({"more", "last"}, "more or last") == 1;
+  } else if (deed.what == What::kClay || deed.what == What::kDocument) {
+    deed.file = line.fileBeside();
+    deed.name = line.rest();
+  }
+  line.end();
+  return deed;
+}
+
+class ActionsReader {
+ public:
+  explicit ActionsReader(const std::filesystem::path& file) : file_(file.string()) {
+    const std::string text = readWhole(file, kMostBytes);
+    std::size_t at = 0;
+    for (std::size_t end = text.find('\n'); end != std::string::npos; end = text.find('\n', at)) {
+      where_ = file_ + ":" + std::to_string(++number_);
+      take(std::string_view(text).substr(at, end - at));
+      at = end + 1;
+    }
+    if (number_ == 0)
+      throw Error(file_ + ": it is empty; `airclay-actions 1` in the first line would be right");
+  }
+
+  Actions actions;
+
+ private:
+  void take(std::string_view text) {
+    Line line(where_, text);
+    const std::string word = line.word();
+    if (number_ == 1) return takeFormat(word, line);
+    if (word.empty() || word.starts_with("#")) return;
+    if (actions.ended) line.fail("nothing after `end`");
+    if (takeHead(word, line)) return;
+    if (word == "learn" || word == "frame") {
+      Actions::Step step{std::move(actions.after), {}};
+      actions.after.clear();
+      if (word == "frame") step.frame = readFrame(line, actions.head.by_mouse);
+      step.frame.learned = word == "learn";
+      actions.steps.push_back(std::move(step));
+    } else if (word == "end") {
+      actions.ended = true;
+    } else if (const std::optional<Deed> deed = readDeed(word, line)) {
+      actions.after.push_back(*deed);
+    } else {
+      throw Error(where_ + ": '" + printable(word) + "' is no action");
+    }
+  }
+
+  void takeFormat(const std::string& word, Line& line) {
+    if (word != "airclay-actions") line.fail("`airclay-actions 1` in the first line");
+    if (line.number("the format's number") > kFormat)
+      throw Error(where_ +
+                  ": these actions were recorded by a newer Airclay, which would be right to replay them");
+  }
+
+  bool takeHead(const std::string& word, Line& line) {
+    if (word == "background")
+      actions.head.background_frames = line.whole(0, 1'000'000, "how many frames");
+    else if (word == "voxels")
+      actions.head.voxels = line.whole(1, 4096, "voxels along the workspace's edge");
+    else if (word == "hand")
+      actions.head.hand = line.fileBeside();
+    else if (word == "mouse")
+      actions.head.by_mouse = true;
+    else
+      return false;
+    line.end();
+    return true;
+  }
+
+  std::string file_, where_;
+  int number_ = 0;
+};
+
+}  // namespace
+
+std::string linesOf(const ActionsHead& head) {
+  return "airclay-actions " + std::to_string(kFormat) + "\nbackground " +
+         std::to_string(head.background_frames) + "\nvoxels " + std::to_string(head.voxels) + "\nhand " +
+         head.hand + "\n" + (head.by_mouse ? "mouse\n" : "");
+}
+
+std::string lineOf(const Deed& deed) {
+  std::string line = kDeeds[static_cast<int>(deed.what)];
+  switch (deed.what) {
+    case What::kForm:
+      line += " " + std::to_string(deed.levels) + " " + kRules[static_cast<int>(deed.rule)] + " " +
+              kSolves[static_cast<int>(deed.solve)];
+      break;
+    case What::kTurn:
+      for (const double value : deed.axis) line += " " + exactNumber(value);
+      line += " " + exactNumber(deed.angle_rad) + (deed.last ? " last" : " more");
+      break;
+    case What::kClay:
+      line += " " + deed.file + " " + deed.name;
+      break;
+    case What::kDocument:
+      line += " " + deed.file;
+      break;
+    default:
+      break;
+  }
+  return line + "\n";
+}
+
+std::string lineOf(const DoneFrame& frame, bool by_mouse) {
+  if (frame.learned) return "learn\n";
+  std::string line = "frame " + exactNumber(frame.time_s) + " " + exactNumber(frame.step_s) + " " +
+                     kTools[static_cast<int>(frame.tool)] + " " + wordOf(frame.symmetry) +
+                     (frame.held ? " 1" : " 0") + (frame.steady ? " 1" : " 0");
+  if (frame.absent != 0) line += " without " + std::to_string(frame.absent);
+  if (by_mouse && !frame.given_hand) line += " nobody";
+  if (by_mouse && frame.given_hand)
+    for (int i = 0; i < 12; ++i) line += " " + exactNumber(frame.given_hand->matrix()(i / 4, i % 4));
+  return line + "\n";
+}
+
+bool hasActions(const std::filesystem::path& folder) {
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(folder / kActionsFile, ignored);
+}
+
+Actions readActions(const std::filesystem::path& file) {
+  return ActionsReader(file).actions;
+}
+
+}  // namespace airclay

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+// What a person did while a recording was made, frame by frame: actions.txt in the recorded take. With the
+// frames and start.clay, the clay that they began with, it makes the same clay again.
+//
+// A line is a word and its values, separated by blanks; numbers have all their digits.
+//
+//     airclay-actions 1                 the format
+//     background N                      how many first frames may show the empty workspace
+//     voxels N                          along the workspace's edge
+//     hand right|left|FILE              FILE lies beside
+//     mouse                             there are no cameras: every frame says where the hand is
+//     learn                             a frame that taught the empty workspace
+//     frame TIME STEP TOOL AXES HELD STEADY
+//                                       a frame: seconds of the recording, seconds since the last frame, push
+//                                       pull or smooth, the symmetry (xyz or -), 1 while the clutch lets the
+//                                       hand shape the clay, 1 with the One Euro filter; then `without BITS`
+//                                       where cameras were missing, bit k the k-th; or, of the mouse's hand,
+//                                       12 numbers: world_from_hand, three rows of four; or `nobody`
+//     stroke                            the stroke under way ended here
+//     undo | redo | refine | again      again: the source began anew, the hand is looked for
+//     empty                             the empty workspace is forgotten; frames that teach it anew follow
+//     form LEVEL RULE SOLVE
+//     turn X Y Z RADIANS more|last      clay and planes of symmetry, about an axis through the
+//                                       workspace's centre
+//     clay FILE NAME                    the clay became that of FILE; NAME is the entry's
+//     document FILE                     another document was opened; FILE is its copy
+//     end                               the recording was ended; without it, it broke off
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/clay/clay_state.h"
+#include "engine/core/math.h"
+#include "engine/sculpt/tools.h"
+
+namespace airclay {
+
+/// What was done between two frames.
+struct Deed {
+  enum class What { kEndStroke, kUndo, kRedo, kRefine, kForm, kTurn, kClay, kDocument, kAgain, kEmpty };
+  What what = What::kUndo;
+  int levels = 2;  ///< kForm
+  SubdivisionRule rule = SubdivisionRule::kCatmullClark;
+  SolveRows solve = SolveRows::kAll;
+  Vec3 axis = Vec3::UnitZ();  ///< kTurn: about the workspace's centre
+  double angle_rad = 0;
+  bool last = false;       ///< kTurn: it is done
+  std::string file, name;  ///< kClay, kDocument
+};
+
+/// A frame as it was worked on.
+struct DoneFrame {
+  bool learned = false;  ///< the empty workspace; the rest means nothing
+  double time_s = 0, step_s = 0;
+  Tool tool = Tool::kPush;
+  Symmetry symmetry;
+  bool held = true, steady = true;
+  std::uint32_t absent = 0;        ///< bits of cameras that had no picture
+  std::optional<Pose> given_hand;  ///< the mouse's, where there is one
+};
+
+/// How the recording was made.
+struct ActionsHead {
+  int background_frames = 0, voxels = 128;
+  std::string hand = "right";  ///< right, left, or a file beside
+  bool by_mouse = false;
+};
+
+struct Actions {
+  struct Step {
+    std::vector<Deed> before;
+    DoneFrame frame;
+  };
+  ActionsHead head;
+  std::vector<Step> steps;  ///< a frame each
+  std::vector<Deed> after;  ///< the last frame
+  bool ended = false;       ///< as it should; else it broke off
+};
+
+std::string linesOf(const ActionsHead& head);
+std::string lineOf(const Deed& deed);
+std::string lineOf(const DoneFrame& frame, bool by_mouse);
+inline constexpr const char* kActionsFile = "actions.txt";
+inline constexpr const char* kActionsEnd = "end\n";
+inline constexpr const char* kStartFile = "start.clay";
+
+/// Whether the folder is a recording of a sculpting.
+bool hasActions(const std::filesystem::path& folder);
+
+/// A last line without its end is not looked at. \throw Error naming file and line.
+Actions readActions(const std::filesystem::path& file);
+
+}  // namespace airclay

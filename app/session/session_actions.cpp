@@ -1,0 +1,357 @@
+// SPDX-License-Identifier: MIT
+// What a person does to a session: edits, files, recordings, and all that once more when it is replayed.
+#include <unistd.h>
+
+#include "app/session/session.h"
+#include "engine/clay/clay.h"
+#include "engine/clay/refine.h"
+#include "engine/core/error.h"
+#include "engine/core/task.h"
+#include "engine/mesh/mesh_export.h"
+#include "engine/mesh/mesh_file.h"
+
+namespace airclay {
+namespace {
+
+/// A document's clay. The file itself is left alone: it may stand where nothing may be written.
+ClayState stateIn(const std::filesystem::path& file) {
+  const std::filesystem::path copy =
+      std::filesystem::temp_directory_path() / ("airclay-" + std::to_string(::getpid()) + ".clay");
+  std::filesystem::copy_file(file, copy, std::filesystem::copy_options::overwrite_existing);
+  const ClayState state = Document::open(copy).state();
+  std::filesystem::remove(copy);
+  return state;
+}
+
+/// Whether the same buffers hold both.
+bool sameForm(const ClayState& a, const ClayState& b) {
+  return a.rule == b.rule && a.levels == b.levels && a.solve == b.solve && a.cage.faces == b.cage.faces &&
+         a.cage.points.size() == b.cage.points.size();
+}
+
+}  // namespace
+
+/// Shows the work on this thread, and ends it when it is cancelled.
+class Session::Working : public LongWork {
+ public:
+  Working(Session& session, const std::string& what) : session_(session) {
+    session_.cancel_work_ = false;
+    const std::lock_guard lock(session_.mutex_);
+    session_.work_view_ = {what, 0, Clock::now()};
+  }
+  ~Working() override {
+    const std::lock_guard lock(session_.mutex_);
+    session_.work_view_ = {};
+  }
+  void goesOn(double share) override {
+    if (session_.cancel_work_.exchange(false)) throw Cancelled{};
+    const std::lock_guard lock(session_.mutex_);
+    session_.work_view_.share = share;
+  }
+
+ private:
+  Session& session_;
+};
+
+/// Something that a recording notes and a replay does again. `what` names work that takes long.
+void Session::act(const Deed& deed, const std::string& what) {
+  post([this, deed, what] {
+    refuseWhileReplaying();
+    if (what.empty()) return perform(deed);
+    const Working working(*this, what);
+    perform(deed);
+  });
+}
+
+void Session::undo() {
+  act({.what = Deed::What::kUndo});
+}
+
+void Session::redo() {
+  act({.what = Deed::What::kRedo});
+}
+
+void Session::refineClay() {
+  act({.what = Deed::What::kRefine}, "refining");
+}
+
+void Session::setForm(int levels, SubdivisionRule rule, SolveRows solve) {
+  act({.what = Deed::What::kForm, .levels = levels, .rule = rule, .solve = solve}, "subdividing");
+}
+
+void Session::turn(const Vec3& axis, double angle_rad, bool last) {
+  act({.what = Deed::What::kTurn, .axis = axis, .angle_rad = angle_rad, .last = last});
+}
+
+void Session::exportMesh(const std::filesystem::path& file, bool surface) {
+  post([this, file, surface] {
+    const Working working(*this, "exporting");
+    const ClayState state = stateOf(document_, pipeline_.clay());
+    const MeshExport written =
+        airclay::exportMesh(file, meshAtLevel(state.cage, surface ? state.levels : 0, state.rule));
+    note(file.filename().string() + ": " + std::to_string(written.faces) + " faces" +
+         (written.watertight() ? ", watertight" : ", open: a slicer will not print it"));
+  });
+}
+
+void Session::importCage(const std::filesystem::path& file) {
+  post([this, file] {
+    refuseWhileReplaying();
+    const Working working(*this, "importing");
+    ClayState state = document_.state();
+    state.cage = readObj(file);
+    state.workspace_from_clay.setIdentity();
+    becomeClay(state, "Import " + file.filename().string());
+    note("imported " + file.filename().string());
+  });
+}
+
+void Session::replaceClay(const ClayState& wanted, const std::string& name) {
+  post([this, wanted, name] {
+    refuseWhileReplaying();
+    becomeClay(wanted, name);
+  });
+}
+
+void Session::saveAs(const std::filesystem::path& file) {
+  post([this, file] {
+    refuseWhileReplaying();
+    endStroke();
+    document_.saveAs(file);
+    document_ = Document::open(file);
+    note("saved as " + file.string());
+  });
+}
+
+void Session::openDocument(const std::filesystem::path& file) {
+  post([this, file] {
+    refuseWhileReplaying();
+    const Working working(*this, "opening");
+    becomeDocument(Document::open(file));
+    note("opened " + file.string());
+  });
+}
+
+void Session::restartTake() {
+  if (reader_ && !isLive()) act({.what = Deed::What::kAgain});
+}
+
+void Session::learnAgain() {
+  if (isLive()) act({.what = Deed::What::kEmpty});
+}
+
+void Session::startRecording(const std::filesystem::path& folder) {
+  post([this, folder] {
+    refuseWhileReplaying();
+    beginRecording(folder);
+  });
+}
+
+void Session::stopRecording() {
+  post([this] { endRecording(); });
+}
+
+// ------------------------------------------------------------------------------------------------ deeds
+
+void Session::perform(const Deed& deed) {
+  if (deed.what != Deed::What::kTurn || !turning_) endStroke();
+  switch (deed.what) {
+    case Deed::What::kEndStroke:
+      return;  // that was it
+    case Deed::What::kUndo: {
+      if (!document_.canUndo()) return note("nothing to undo");
+      const std::string name = *document_.canUndo();
+      document_.undo();
+      show(document_.state());
+      note("undone: " + name);
+      break;
+    }
+    case Deed::What::kRedo: {
+      if (!document_.canRedo()) return note("nothing to redo");
+      const std::string name = *document_.canRedo();
+      document_.redo();
+      show(document_.state());
+      note("redone: " + name);
+      break;
+    }
+    case Deed::What::kRefine: {
+      const ClayState refined = refine(document_.state());
+      commit("Refine", refined);
+      note("refined: " + std::to_string(refined.cage.points.size()) + " control points");
+      break;
+    }
+    case Deed::What::kForm:
+      changeForm(deed);
+      break;
+    case Deed::What::kTurn:
+      turnClay(deed);
+      break;
+    case Deed::What::kAgain:
+      if (reader_ && !options_.replay) reader_->restart();
+      forgetHand();
+      break;
+    case Deed::What::kEmpty:
+      pipeline_.forgetBackground();
+      forgetHand();
+      learned_.clear();
+      learned_bytes_ = 0;
+      learned_frames_ = 0;
+      if (!options_.replay) still_to_learn_ = options_.recording->backgroundFrames();
+      break;
+    case Deed::What::kClay:
+    case Deed::What::kDocument:
+      throw std::logic_error("Session: clay from elsewhere comes with its file");
+  }
+  recordDeed(deed);
+}
+
+void Session::changeForm(const Deed& deed) {
+  ClayState state = document_.state();
+  const bool other_level = deed.levels != state.levels;
+  state.levels = deed.levels;
+  state.rule = deed.rule;
+  state.solve = deed.solve;
+  commit(other_level ? "Level " + std::to_string(deed.levels) : "Settings", state);
+}
+
+void Session::turnClay(const Deed& deed) {
+  turning_ = !deed.last;
+  pipeline_.clay().turn(Eigen::Quaterniond(Eigen::AngleAxisd(deed.angle_rad, deed.axis)));
+  if (deed.last) document_.commit("Turn", stateOf(document_, pipeline_.clay()));
+}
+
+void Session::forgetHand() {
+  pipeline_.forgetHand();
+  steady_.reset();
+  grip_ = Grip::kFree;
+}
+
+void Session::becomeClay(const ClayState& state, const std::string& name) {
+  endStroke();
+  commit(name, state);
+  if (recorder_) recorder_->clay(state, name);
+}
+
+void Session::becomeDocument(Document opened) {
+  endStroke();
+  std::unique_ptr<Pipeline::MadeClay> clay = made(opened.state());
+  document_ = std::move(opened);
+  show(document_.state(), std::move(clay));
+  if (recorder_) recorder_->document(document_);
+}
+
+/// One edit: cancelled or refused while its clay is made, it has changed nothing.
+void Session::commit(const std::string& name, const ClayState& state) {
+  std::unique_ptr<Pipeline::MadeClay> clay = made(state);
+  document_.commit(name, state);
+  show(document_.state(), std::move(clay));
+}
+
+/// The clay of another form on the device; none when the same buffers hold it.
+std::unique_ptr<Pipeline::MadeClay> Session::made(const ClayState& state) {
+  return sameForm(state, form_) ? nullptr : pipeline_.makeClay(state);
+}
+
+void Session::show(const ClayState& state) {
+  show(state, made(state));
+}
+
+void Session::show(const ClayState& state, std::unique_ptr<Pipeline::MadeClay> clay) {
+  if (!clay) return pipeline_.clay().setControlPoints(state.cage.points, state.workspace_from_clay);
+  const std::unique_lock lock(structure_);
+  gpu_.waitIdle();  // the window's pictures of the old clay
+  pipeline_.setClay(std::move(clay));
+  form_ = state;
+  ++form_serial_;
+}
+
+// ------------------------------------------------------------------------------------ recording, replaying
+
+void Session::beginRecording(const std::filesystem::path& folder) {
+  if (recorder_) throw Error("a recording is under way already, in " + recorder_->view().folder.string());
+  Recording* const source = options_.recording;
+  const bool learns = source && !source->hasBackground() && !source->hasSilhouettes();
+  if (learns && learned_frames_ > static_cast<int>(learned_.size()))
+    throw Error("the empty workspace was learned from " + std::to_string(learned_frames_) +
+                " frames, more than are kept for a recording that begins later; --record, from the start, "
+                "would be right");
+  if (turning_) perform({.what = Deed::What::kTurn, .angle_rad = 0, .last = true});
+  endStroke();
+  const ActionsHead head{learns ? source->backgroundFrames() : 0, options_.voxels, options_.hand_name,
+                         !source};
+  recorder_.emplace(SessionRecorder::Start{folder, source, options_.rig, head, learned_}, document_);
+  // From here on as it will be when this is played: nothing is known of the hand, and the clay is the file's.
+  forgetHand();
+  pipeline_.clay().setControlPoints(document_.state().cage.points, document_.state().workspace_from_clay);
+  note("recording into " + folder.string());
+  showRecorder();
+}
+
+void Session::endRecording() {
+  if (!recorder_) return;
+  endStroke();
+  const RecorderView view = recorder_->view();
+  try {
+    recorder_->end();
+  } catch (...) {
+    recorder_.reset();
+    showRecorder();
+    throw;
+  }
+  recorder_.reset();
+  showRecorder();
+  note("recorded " + std::to_string(view.frames) + " frames in " + view.folder.string());
+}
+
+void Session::showRecorder() {
+  const RecorderView view = recorder_ ? recorder_->view() : RecorderView();
+  const std::lock_guard lock(mutex_);
+  recorder_view_ = view;
+}
+
+void Session::recordDeed(const Deed& deed) {
+  if (recorder_) recorder_->deed(deed);
+}
+
+void Session::recordFrame(const DoneFrame& done, const FrameSet* set) {
+  if (!recorder_) return;
+  try {
+    recorder_->frame(done, set);
+  } catch (const Error&) {
+    recorder_.reset();  // what is there stays, as it is after a power cut
+    showRecorder();
+    throw;
+  }
+  showRecorder();
+}
+
+void Session::refuseWhileReplaying() const {
+  if (options_.replay && !snapshot().ended)
+    throw Error("the recording is doing this by itself; wait for its end");
+}
+
+/// What was done of this frame; before it, what was done since the last. None without a replay.
+const DoneFrame* Session::replayedFrame(int frame) {
+  if (!options_.replay) return nullptr;
+  const Actions::Step& step = options_.replay->actions.steps.at(std::size_t(frame));
+  for (const Deed& deed : step.before) replayDeed(deed);
+  return &step.frame;
+}
+
+void Session::replayDeed(const Deed& deed) {
+  const std::filesystem::path file = options_.replay->folder / deed.file;
+  if (deed.what == Deed::What::kClay) {
+    becomeClay(stateIn(file), deed.name);
+  } else if (deed.what == Deed::What::kDocument) {
+    // A copy beside the document at hand: the recording itself stays as it is.
+    const std::filesystem::path copy =
+        document_.file().parent_path() / (document_.file().stem().string() + "-" + deed.file);
+    std::filesystem::copy_file(file, copy, std::filesystem::copy_options::overwrite_existing);
+    becomeDocument(Document::open(copy));
+  } else {
+    perform(deed);
+  }
+  refreshDocumentView();
+}
+
+}  // namespace airclay

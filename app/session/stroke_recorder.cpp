@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+#include "app/session/stroke_recorder.h"
+
+#include "engine/clay/clay.h"
+
+namespace airclay {
+
+ClayState stateOf(const Document& document, const Clay& clay) {
+  ClayState state = document.state();
+  state.cage.points = clay.cage().points;
+  state.workspace_from_clay = clay.workspaceFromClay();
+  return state;
+}
+
+bool KeptStrokes::see(const StrokeFrame& frame, const std::string& tool, const Clay& clay) {
+  const std::string name = watch_.name();  // of the stroke that may end here; another may begin
+  if (watch_.see(frame, tool) != StrokeEvent::kEnded) return false;
+  document_.commit(name, stateOf(document_, clay));
+  return true;
+}
+
+bool KeptStrokes::finish(const Clay& clay) {
+  if (watch_.finish() != StrokeEvent::kEnded) return false;
+  document_.commit(watch_.name(), stateOf(document_, clay));
+  return true;
+}
+
+}  // namespace airclay

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+#include "app/session/tracking_summary.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "app/cli/command.h"
+#include "engine/core/median.h"
+
+namespace airclay {
+namespace {
+
+double worst(const std::vector<double>& values) {
+  return values.empty() ? 0 : *std::max_element(values.begin(), values.end());
+}
+
+}  // namespace
+
+std::optional<Pose> poseAt(const std::vector<TimedPose>& poses, double time_s, double frame_s) {
+  const auto after = std::lower_bound(poses.begin(), poses.end(), time_s,
+                                      [](const TimedPose& pose, double time) { return pose.time_s < time; });
+  const TimedPose* nearest = nullptr;
+  const auto consider = [&](const TimedPose& pose) {
+    if (!nearest || std::abs(pose.time_s - time_s) < std::abs(nearest->time_s - time_s)) nearest = &pose;
+  };
+  if (after != poses.end()) consider(*after);
+  if (after != poses.begin()) consider(*std::prev(after));
+  if (!nearest || std::abs(nearest->time_s - time_s) > frame_s / 2) return std::nullopt;
+  return nearest->world_from_hand;
+}
+
+void Tracking::add(const PlayedFrame& frame, const Recording* recording) {
+  ++frames_;
+  if (frame.skew_s) skew_ms_.push_back(1000 * *frame.skew_s);
+  decode_ms_.push_back(frame.decode_ms);
+  const FrameResult& result = frame.result;
+  if (frame.background || result.hand == HandState::kEmpty) {
+    ++empty_;
+    return;  // its times would only flatter
+  }
+  frame_ms_.push_back(result.frame_ms);
+  for (const auto& [name, ms] : result.stage_ms) {
+    auto stage =
+        std::find_if(stage_ms_.begin(), stage_ms_.end(), [&](const auto& s) { return s.first == name; });
+    if (stage == stage_ms_.end()) stage = stage_ms_.insert(stage_ms_.end(), {name, {}});
+    stage->second.push_back(ms);
+  }
+  if (result.hand == HandState::kLost) {
+    ++lost_;
+    return;
+  }
+  ++tracked_;
+  const Pose& pose = result.fit.world_from_hand;
+  poses_.push_back({frame.time_s, pose});
+  if (!recording || !recording->truth()) return;
+  const std::optional<Pose> truth = poseAt(*recording->truth(), frame.time_s, 1 / recording->rateHz());
+  if (!truth) return;
+  errors_mm_.push_back(1000 * (pose.translation() - truth->translation()).norm());
+  errors_deg_.push_back(angleBetween(pose.linear(), truth->linear()) * 180 / std::numbers::pi);
+}
+
+double Tracking::frameMs() const {
+  return median(frame_ms_);
+}
+
+nlohmann::ordered_json Tracking::json() const {
+  nlohmann::ordered_json stages = {{"silhouette", 0.0}, {"carve", 0.0}, {"fit", 0.0}};
+  for (const auto& [name, ms] : stage_ms_) stages[name] = median(ms);
+  nlohmann::ordered_json object = {{"frames", frames_},
+                                   {"tracked", tracked_},
+                                   {"lost", lost_},
+                                   {"empty", empty_},
+                                   {"stage_ms", stages},
+                                   {"frame_ms", frameMs()},
+                                   {"decode_ms", median(decode_ms_)},
+                                   {"hz", frameMs() > 0 ? 1000 / frameMs() : 0}};
+  if (!skew_ms_.empty()) {
+    object["skew_ms"] = median(skew_ms_);
+    object["worst_skew_ms"] = worst(skew_ms_);
+  }
+  if (!errors_mm_.empty()) {
+    object["median_error_mm"] = median(errors_mm_);
+    object["worst_error_mm"] = worst(errors_mm_);
+    object["median_error_deg"] = median(errors_deg_);
+    object["worst_error_deg"] = worst(errors_deg_);
+  }
+  return object;
+}
+
+std::vector<std::string> Tracking::words() const {
+  std::vector<std::string> lines = {std::to_string(frames_) + " frames: " + std::to_string(tracked_) +
+                                    " tracked, " + std::to_string(lost_) + " lost, " +
+                                    std::to_string(empty_) + " empty"};
+  if (frameMs() > 0) {
+    std::string line =
+        fixed(frameMs(), 1) + " ms from pixels to result, " + fixed(1000 / frameMs(), 1) + " Hz (";
+    for (const auto& [name, ms] : stage_ms_) line += name + " " + fixed(median(ms), 1) + ", ";
+    lines.push_back(line + "decoding before it " + fixed(median(decode_ms_), 1) + ")");
+  }
+  if (!skew_ms_.empty())
+    lines.push_back("the cameras' times within a set differ by " + fixed(median(skew_ms_), 1) +
+                    " ms in the median, " + fixed(worst(skew_ms_), 1) + " ms at worst");
+  if (!errors_mm_.empty())
+    lines.push_back("off the known truth by " + fixed(median(errors_mm_), 2) + " mm and " +
+                    fixed(median(errors_deg_), 2) + " degrees in the median, " + fixed(worst(errors_mm_), 2) +
+                    " mm and " + fixed(worst(errors_deg_), 2) + " degrees at worst");
+  return lines;
+}
+
+}  // namespace airclay

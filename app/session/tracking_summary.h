@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// What a run over many frames comes to: counts, times, poses, and errors where the truth is known.
+#pragma once
+
+#include <map>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+
+#include "app/session/player.h"
+#include "capture/takes/poses_file.h"
+
+namespace airclay {
+
+/// Collects frames; then says what they come to.
+class Tracking {
+ public:
+  /// `recording`, where there is one, may know the frame's true pose.
+  void add(const PlayedFrame& frame, const Recording* recording);
+
+  /// One a tracked frame.
+  const std::vector<TimedPose>& poses() const { return poses_; }
+  int lost() const { return lost_; }
+
+  /// The contract's keys of `track`; with a known truth also `median_error_mm` and its like.
+  nlohmann::ordered_json json() const;
+  /// The same in words, a line each.
+  std::vector<std::string> words() const;
+
+ private:
+  double frameMs() const;
+
+  int frames_ = 0, tracked_ = 0, lost_ = 0, empty_ = 0;
+  std::vector<double> frame_ms_, decode_ms_, skew_ms_, errors_mm_, errors_deg_;
+  std::vector<std::pair<std::string, std::vector<double>>> stage_ms_;  ///< in the way of the data
+  std::vector<TimedPose> poses_;
+};
+
+/// The pose of `poses` nearest in time, not farther than half of `frame_s`.
+std::optional<Pose> poseAt(const std::vector<TimedPose>& poses, double time_s, double frame_s);
+
+}  // namespace airclay

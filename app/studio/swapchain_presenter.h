@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+// The images that a window shows in turn.
+#pragma once
+
+#include <vector>
+
+#include "app/studio/presenter.h"
+
+namespace airclay {
+
+/// Owns the surface's images, their framebuffers, and what tells when each may be drawn and shown.
+class Swapchain : public Screen {
+ public:
+  /// Takes the surface over. \throw Error (Fault::kDevice) when the device cannot show pictures on it.
+  Swapchain(Gpu& gpu, VkSurfaceKHR surface);
+  ~Swapchain() override;
+
+  const char* name() const override { return "swapchain"; }
+  VkImageLayout shownLayout() const override { return VK_IMAGE_LAYOUT_PRESENT_SRC_KHR; }
+  std::uint32_t imageCount() const override { return static_cast<std::uint32_t>(images_.size()); }
+  void resize(std::uint32_t width, std::uint32_t height) override;
+  std::optional<Target> acquire() override;
+  void submit(Recorder& recorder, const Target& target) override;
+  bool show(Recorder& recorder, const Target& target) override;
+
+ private:
+  struct Shown {
+    VkImage image = VK_NULL_HANDLE;
+    VkImageView view = VK_NULL_HANDLE;
+    VkFramebuffer framebuffer = VK_NULL_HANDLE;
+    VkSemaphore drawn = VK_NULL_HANDLE;  ///< signalled when it has been
+  };
+  void destroyImages();
+  bool present(std::uint32_t index);
+  VkSemaphore makeSemaphore();
+
+  VkSurfaceKHR surface_;
+  VkSwapchainKHR swapchain_ = VK_NULL_HANDLE;
+  VkSemaphore ready_ = VK_NULL_HANDLE;  ///< signalled when the acquired image may be drawn into
+  std::vector<Shown> images_;
+};
+
+}  // namespace airclay

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+#include "capture/calibration/board.h"
+
+#include <cmath>
+#include <opencv2/aruco.hpp>
+#include <sstream>
+
+#include "capture/calibration/aruco_dictionary.h"
+#include "engine/core/error.h"
+
+namespace airclay {
+namespace {
+
+// Nothing larger is printed, or waved.
+constexpr double kMaxSquareM = 2;
+
+[[noreturn]] void refuse(const std::string& message) {
+  throw Error(message, Fault::kUsage);
+}
+
+void checkLength(const std::string& option, double length_m) {
+  if (std::isfinite(length_m) && length_m > 0 && length_m <= kMaxSquareM) return;
+  refuse(option + " " + inMillimetres(length_m) + ": more than 0 and at most " + inMillimetres(kMaxSquareM) +
+         " millimetres would be right");
+}
+
+}  // namespace
+
+std::optional<ArucoDictionary> arucoDictionary(const std::string& name) {
+  if (name == "ARUCO_ORIGINAL") return ArucoDictionary{cv::aruco::DICT_ARUCO_ORIGINAL, 1024, 5};
+  int number = cv::aruco::DICT_4X4_50;  // the enumeration goes on by number of markers, then by size
+  for (int bits = 4; bits <= 7; ++bits)
+    for (const int markers : {50, 100, 250, 1000}) {
+      const std::string side = std::to_string(bits);
+      if (name == side + "X" + side + "_" + std::to_string(markers))
+        return ArucoDictionary{number, markers, bits};
+      ++number;
+    }
+  return std::nullopt;
+}
+
+void checkBoard(const Board& board) {
+  const int fewest = std::min(board.squares_x, board.squares_y);
+  const int most = std::max(board.squares_x, board.squares_y);
+  const std::string squares =
+      "--squares " + std::to_string(board.squares_x) + "x" + std::to_string(board.squares_y) + ": ";
+  // Four corners that stand in no line are a pose; OpenCV looks for chessboards of three by three corners or
+  // more.
+  const int at_least = board.chessboard ? 4 : 3;
+  if (fewest < at_least || most > kMaxSquares)
+    refuse(squares + std::to_string(at_least) + " to " + std::to_string(kMaxSquares) +
+           " squares along either side would be right");
+  checkLength("--square-mm", board.square_m);
+  if (board.chessboard && board.two_sided)
+    refuse(
+        "--two-sided: a chessboard's back cannot be told from its front; a board with markers would be "
+        "right");
+  if (board.chessboard) return;
+  checkLength("--marker-mm", board.marker_m);
+  if (board.marker_m >= board.square_m)
+    refuse("--marker-mm " + inMillimetres(board.marker_m) + ": a marker must be smaller than its square of " +
+           inMillimetres(board.square_m) + " mm; about " + inMillimetres(0.75 * board.square_m) +
+           " would be right");
+  const std::optional<ArucoDictionary> dictionary = arucoDictionary(board.dictionary);
+  if (!dictionary)
+    refuse("--dictionary " + board.dictionary +
+           ": 4X4_50, 4X4_100, 4X4_250, 4X4_1000, the same with 5X5, 6X6 and 7X7, or ARUCO_ORIGINAL would be "
+           "right");
+  const int wanted = board.squares_x * board.squares_y / 2;
+  if (wanted > dictionary->markers)
+    refuse(squares + "they take " + std::to_string(wanted) + " markers, and --dictionary " +
+           board.dictionary + " has " + std::to_string(dictionary->markers) +
+           "; fewer squares or a larger dictionary would be right");
+}
+
+std::string inMillimetres(double length_m) {
+  std::ostringstream out;
+  out << std::round(1e5 * length_m) / 100;
+  return out.str();
+}
+
+std::string inWords(const Board& board) {
+  std::string words = std::to_string(board.squares_x) + " x " + std::to_string(board.squares_y) +
+                      " squares of " + inMillimetres(board.square_m) + " mm";
+  if (!board.chessboard)
+    words += ", markers of " + inMillimetres(board.marker_m) + " mm, " + board.dictionary;
+  return words + (board.inverted ? ", inverted" : "");
+}
+
+}  // namespace airclay

@@ -1,0 +1,329 @@
+// SPDX-License-Identifier: MIT
+// A ChArUco board: OpenCV finds the markers; what they say of each other's places decides which of them are
+// this board's; each corner next to one is then looked for where the marker says, and fitted (saddle.h).
+// Chessboards: chessboard_detector.h. OpenCV 4.6's own corners of ChArUco boards (interpolateCornersCharuco)
+// are half a pixel too far right and down, and are not used.
+#include "capture/calibration/board_detector.h"
+
+#include <algorithm>
+#include <numbers>
+#include <opencv2/aruco.hpp>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+#include <set>
+
+#include "capture/calibration/aruco_dictionary.h"
+#include "capture/calibration/board_pattern.h"
+#include "capture/calibration/chessboard_detector.h"
+#include "capture/calibration/saddle_point.h"
+#include "engine/core/error.h"
+
+namespace airclay {
+namespace {
+
+// Two markers agree when each is where the other expects it, to this share of a square: a marker of another
+// board would be off by a whole one. Corners of a marker are known to about half a pixel, and a neighbour is
+// two markers away.
+constexpr double kAgreement = 0.4;
+
+// Of the markers that must be in the picture, as corners beside them are, this share must have been read. Two
+// markers of a mirrored board can be read as two of this one, and agree.
+constexpr double kLeastRead = 0.35;
+
+/// From squares of the board to pixels.
+class PlaneToPicture {
+ public:
+  explicit PlaneToPicture(const cv::Matx33d& matrix) {
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) matrix_(r, c) = matrix(r, c);
+  }
+
+  Vec2 at(const Vec2& squares) const { return (matrix_ * squares.homogeneous()).hnormalized(); }
+  Mat2 slopeAt(const Vec2& squares) const {
+    const Vec3 h = matrix_ * squares.homogeneous();
+    return (matrix_.topLeftCorner<2, 2>() - h.hnormalized() * matrix_.block<1, 2>(2, 0)) / h.z();
+  }
+
+ private:
+  Mat3 matrix_;
+};
+
+struct SeenMarker {
+  int id;
+  Vec2 center;  ///< squares
+  Vec2 pixel;   ///< of its centre
+  std::vector<cv::Point2f> board_corners, pixel_corners;
+  PlaneToPicture plane;
+};
+
+/// Of a set of markers that agree with each other, by chains of neighbours: its number for each.
+std::vector<int> groupsOf(const std::vector<SeenMarker>& markers) {
+  std::vector<int> group(markers.size());
+  for (std::size_t i = 0; i < group.size(); ++i) group[i] = static_cast<int>(i);
+  const auto expects = [](const SeenMarker& a, const SeenMarker& b) {
+    const double square_px = std::sqrt(std::abs(a.plane.slopeAt(a.center).determinant()));
+    return (a.plane.at(b.center) - b.pixel).norm() <= kAgreement * square_px;
+  };
+  for (std::size_t i = 0; i < markers.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) {
+      const SeenMarker &a = markers[i], &b = markers[j];
+      // Next to each other, cornerwise or with a square between.
+      if (a.id == b.id || (a.center - b.center).norm() > 2.1 || group[i] == group[j]) continue;
+      if (expects(a, b) && expects(b, a)) std::replace(group.begin(), group.end(), group[i], group[j]);
+    }
+  return group;
+}
+
+std::optional<PlaneToPicture> planeThrough(const std::vector<cv::Point2f>& from,
+                                           const std::vector<cv::Point2f>& to) {
+  if (from.size() < 4) return std::nullopt;
+  const cv::Mat matrix = cv::findHomography(from, to);
+  return matrix.empty() ? std::nullopt : std::optional(PlaneToPicture(cv::Matx33d(matrix)));
+}
+
+std::optional<PlaneToPicture> planeThrough(const std::vector<SeenMarker>& markers) {
+  std::vector<cv::Point2f> from, to;
+  for (const SeenMarker& marker : markers) {
+    from.insert(from.end(), marker.board_corners.begin(), marker.board_corners.end());
+    to.insert(to.end(), marker.pixel_corners.begin(), marker.pixel_corners.end());
+  }
+  return planeThrough(from, to);
+}
+
+/// The markers of the largest group, and those apart from it that lie on its plane. None unless two agree.
+std::vector<SeenMarker> thoseOfOneBoard(const std::vector<SeenMarker>& markers) {
+  const std::vector<int> groups = groupsOf(markers);
+  int largest = -1, size = 1;
+  for (const int group : groups) {
+    const int count = static_cast<int>(std::count(groups.begin(), groups.end(), group));
+    if (count > size) largest = group, size = count;
+  }
+  std::vector<SeenMarker> kept;
+  for (std::size_t i = 0; i < markers.size(); ++i)
+    if (groups[i] == largest) kept.push_back(markers[i]);
+  if (kept.empty() || 2 * kept.size() < markers.size()) return {};
+  const std::optional<PlaneToPicture> plane = planeThrough(kept);
+  for (std::size_t i = 0; i < markers.size(); ++i) {
+    const SeenMarker& marker = markers[i];
+    if (groups[i] == largest || !plane) continue;
+    const double square_px = std::sqrt(std::abs(plane->slopeAt(marker.center).determinant()));
+    if ((plane->at(marker.center) - marker.pixel).norm() <= kAgreement * square_px) kept.push_back(marker);
+  }
+  return kept;
+}
+
+/// By id, in pixels; none where it isn't seen.
+using Corners = std::vector<std::optional<Vec2>>;
+
+/// Whether four of the corners or more are not all in one line.
+bool spansAPlane(const Board& board, const std::vector<int>& ids) {
+  if (ids.size() < 4) return false;
+  const Vec3 first = board.corner(ids[0]) / board.square_m;
+  Vec3 other = first;
+  for (const int id : ids) {
+    const Vec3 corner = board.corner(id) / board.square_m;
+    if ((corner - first).norm() > (other - first).norm()) other = corner;
+  }
+  return std::any_of(ids.begin(), ids.end(), [&](int id) {
+    return (board.corner(id) / board.square_m - first).cross(other - first).norm() > 0.5;
+  });
+}
+
+}  // namespace
+
+struct BoardDetector::Parts {
+  explicit Parts(const Board& board) : pattern(board) {
+    if (board.chessboard) return;
+    dictionary = cv::aruco::getPredefinedDictionary(arucoDictionary(board.dictionary)->opencv_number);
+    parameters = cv::aruco::DetectorParameters::create();
+    // Chosen on drawn pictures of boards with cells of 2 to 5 pixels: together they find up to 1.8 times as
+    // many markers as OpenCV's own numbers. What is read wrongly now and then does not agree with the rest.
+    parameters->polygonalApproxAccuracyRate = 0.05;
+    parameters->perspectiveRemovePixelPerCell = 8;
+    parameters->perspectiveRemoveIgnoredMarginPerCell = 0.25;
+    parameters->errorCorrectionRate = 1;
+    parameters->maxErroneousBitsInBorderRate = 0.5;
+    // Of two outlines this close, as a share of the way around a marker, OpenCV keeps the outer one. It must
+    // not be taken for the outline of the white square around the marker.
+    const double apart = std::numbers::sqrt2 * (board.square_m - board.marker_m) / 2 / (4 * board.marker_m);
+    parameters->minMarkerDistanceRate = std::min(0.05, 0.4 * apart);
+  }
+
+  const Board& board() const { return pattern.board(); }
+
+  std::vector<SeenMarker> findMarkers(const cv::Mat& grey) const;
+  std::optional<BoardView> findCharuco(const cv::Mat& grey) const;
+  std::optional<SaddleGuess> guessFrom(const std::vector<const SeenMarker*>& markers, int id) const;
+
+  void findBesideMarkers(const GreyPicture& picture, const std::vector<SeenMarker>& found,
+                         Corners& corners) const;
+  void findBesideCorners(const GreyPicture& picture, Corners& corners) const;
+
+  /// Markers of whose squares two corners or more are known.
+  int markersBeside(const Corners& corners) const;
+
+  Vec2 inSquares(int id) const { return board().corner(id).head<2>() / board().square_m; }
+  double whiteMargin() const {
+    return board().chessboard ? 1 : (board().square_m - board().marker_m) / (2 * board().square_m);
+  }
+
+  BoardPattern pattern;
+  cv::Ptr<cv::aruco::Dictionary> dictionary;
+  cv::Ptr<cv::aruco::DetectorParameters> parameters;
+};
+
+std::vector<SeenMarker> BoardDetector::Parts::findMarkers(const cv::Mat& grey) const {
+  std::vector<std::vector<cv::Point2f>> corners;
+  std::vector<int> ids;
+  cv::aruco::detectMarkers(grey, dictionary, corners, ids, parameters);
+  const double side = board().marker_m / board().square_m;
+  std::vector<SeenMarker> markers;
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    if (ids[i] >= pattern.markerCount()) continue;
+    const Vec2 low = pattern.markerCorner(ids[i]) / board().square_m;
+    const cv::Point2f at(static_cast<float>(low.x()), static_cast<float>(low.y()));
+    const float s = static_cast<float>(side);
+    const std::vector<cv::Point2f> on_board{at, at + cv::Point2f(s, 0), at + cv::Point2f(s, s),
+                                            at + cv::Point2f(0, s)};
+    const PlaneToPicture plane(cv::Matx33d(cv::getPerspectiveTransform(on_board, corners[i])));
+    const Vec2 center = low + Vec2::Constant(side / 2);
+    markers.push_back({ids[i], center, plane.at(center), on_board, corners[i], plane});
+  }
+  return markers;
+}
+
+/// Where the markers beside a corner say that it is.
+std::optional<SaddleGuess> BoardDetector::Parts::guessFrom(const std::vector<const SeenMarker*>& markers,
+                                                           int id) const {
+  const int column = id % board().cornersX(), row = id / board().cornersX();
+  const Vec2 corner(column + 1, row + 1);
+  SaddleGuess guess{Vec2::Zero(), Mat2::Zero(), board().blackBefore(id), whiteMargin()};
+  int count = 0;
+  for (const auto& [x, y] : {std::pair{0, 0}, {1, 0}, {0, 1}, {1, 1}}) {
+    const std::optional<int> marker = pattern.markerIn(column + x, row + y);
+    const SeenMarker* seen = marker ? markers[static_cast<std::size_t>(*marker)] : nullptr;
+    if (!seen) continue;
+    guess.pixel += seen->plane.at(corner);
+    guess.pixels_from_squares += seen->plane.slopeAt(corner);
+    ++count;
+  }
+  if (count == 0) return std::nullopt;
+  guess.pixel /= count, guess.pixels_from_squares /= count;
+  return guess;
+}
+
+void BoardDetector::Parts::findBesideMarkers(const GreyPicture& picture, const std::vector<SeenMarker>& found,
+                                             Corners& corners) const {
+  std::vector<const SeenMarker*> markers(static_cast<std::size_t>(pattern.markerCount()));
+  for (const SeenMarker& marker : found) markers[static_cast<std::size_t>(marker.id)] = &marker;
+  for (int id = 0; id < board().cornerCount(); ++id)
+    if (const std::optional<SaddleGuess> guess = guessFrom(markers, id))
+      corners[static_cast<std::size_t>(id)] = findCorner(picture, *guess);
+}
+
+/// Corners whose markers could not be read, next to those that are known: where the plane through the known
+/// ones says, moved as their neighbour is off it.
+void BoardDetector::Parts::findBesideCorners(const GreyPicture& picture, Corners& corners) const {
+  std::vector<cv::Point2f> from, to;
+  for (int id = 0; id < board().cornerCount(); ++id)
+    if (const std::optional<Vec2>& corner = corners[static_cast<std::size_t>(id)]) {
+      from.emplace_back(static_cast<float>(inSquares(id).x()), static_cast<float>(inSquares(id).y()));
+      to.emplace_back(static_cast<float>(corner->x()), static_cast<float>(corner->y()));
+    }
+  const std::optional<PlaneToPicture> plane = planeThrough(from, to);
+  std::vector<int> next;  // corners whose neighbours have not been looked for
+  for (int id = 0; id < board().cornerCount(); ++id)
+    if (corners[static_cast<std::size_t>(id)]) next.push_back(id);
+  while (plane && !next.empty()) {
+    const int known = next.back(), column = known % board().cornersX(), row = known / board().cornersX();
+    next.pop_back();
+    const Vec2 off = *corners[static_cast<std::size_t>(known)] - plane->at(inSquares(known));
+    for (const auto& [x, y] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
+      if (column + x < 0 || column + x >= board().cornersX()) continue;
+      if (row + y < 0 || row + y >= board().cornersY()) continue;
+      const int id = known + x + y * board().cornersX();
+      std::optional<Vec2>& corner = corners[static_cast<std::size_t>(id)];
+      if (corner) continue;
+      corner = findCorner(picture, {plane->at(inSquares(id)) + off, plane->slopeAt(inSquares(id)),
+                                    board().blackBefore(id), whiteMargin()});
+      if (corner) next.push_back(id);
+    }
+  }
+}
+
+int BoardDetector::Parts::markersBeside(const Corners& corners) const {
+  int count = 0;
+  for (int row = 0; row < board().squares_y; ++row)
+    for (int column = 0; column < board().squares_x; ++column) {
+      int known = 0;
+      for (const auto& [x, y] : {std::pair{-1, -1}, {0, -1}, {-1, 0}, {0, 0}}) {
+        const bool is_inner = column + x >= 0 && column + x < board().cornersX() && row + y >= 0 &&
+                              row + y < board().cornersY();
+        if (is_inner)
+          known += corners[static_cast<std::size_t>((row + y) * board().cornersX() + column + x)].has_value();
+      }
+      count += known >= 2 && pattern.markerIn(column, row);
+    }
+  return count;
+}
+
+std::optional<BoardView> BoardDetector::Parts::findCharuco(const cv::Mat& grey) const {
+  const GreyPicture picture{grey.cols, grey.rows, grey.data};
+  Corners corners(static_cast<std::size_t>(board().cornerCount()));
+  const std::vector<SeenMarker> found = thoseOfOneBoard(findMarkers(grey));
+  findBesideMarkers(picture, found, corners);
+  findBesideCorners(picture, corners);
+  std::set<int> read;  // the same one may have been found twice
+  for (const SeenMarker& marker : found) read.insert(marker.id);
+  if (static_cast<double>(read.size()) < kLeastRead * markersBeside(corners)) return std::nullopt;
+  BoardView view;
+  for (std::size_t id = 0; id < corners.size(); ++id) {
+    if (!corners[id]) continue;
+    view.ids.push_back(static_cast<int>(id));
+    view.pixels.push_back(*corners[id]);
+  }
+  if (!spansAPlane(board(), view.ids)) return std::nullopt;
+  return view;
+}
+
+BoardDetector::BoardDetector(const Board& board) : parts_(std::make_unique<Parts>(board)) {}
+BoardDetector::~BoardDetector() = default;
+BoardDetector::BoardDetector(BoardDetector&&) noexcept = default;
+BoardDetector& BoardDetector::operator=(BoardDetector&&) noexcept = default;
+
+const Board& BoardDetector::board() const {
+  return parts_->board();
+}
+
+std::optional<BoardView> BoardDetector::find(PictureSize size, PixelForm form,
+                                             std::span<const std::uint8_t> pixels) const {
+  const std::size_t wanted = std::size_t(size.width) * std::size_t(size.height) * std::size_t(form);
+  if (size.width < 1 || size.height < 1 || pixels.size() != wanted)
+    throw Error("a picture of " + std::to_string(size.width) + " x " + std::to_string(size.height) +
+                " pixels was given " + std::to_string(pixels.size()) + " bytes");
+  const bool is_grey = form == PixelForm::kGrey8;
+  // OpenCV only reads from it, but has no constant matrix over foreign memory.
+  cv::Mat grey(size.height, size.width, is_grey ? CV_8UC1 : CV_8UC3,
+               const_cast<std::uint8_t*>(pixels.data()));
+  if (!is_grey) {
+    cv::Mat converted;
+    cv::cvtColor(grey, converted, cv::COLOR_BGR2GRAY);
+    grey = converted;
+  }
+  if (board().inverted) {
+    cv::Mat exchanged;
+    cv::bitwise_not(grey, exchanged);
+    grey = exchanged;
+  }
+  if (board().chessboard) return findChessboard(board(), {grey.cols, grey.rows, grey.data});
+  std::optional<BoardView> view = parts_->findCharuco(grey);
+  if (view || !board().two_sided) return view;
+  cv::Mat mirrored;
+  cv::flip(grey, mirrored, 1);
+  view = parts_->findCharuco(mirrored);
+  if (view)
+    for (Vec2& pixel : view->pixels) pixel.x() = size.width - 1 - pixel.x();
+  return view;
+}
+
+}  // namespace airclay

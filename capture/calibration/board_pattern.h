@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// What is black on a board: squares, and in a ChArUco board's white ones the markers of OpenCV's
+// dictionaries.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "capture/calibration/board.h"
+
+namespace airclay {
+
+/// In the board's frame, metres.
+struct BoardRectangle {
+  double left, top, right, bottom;
+  bool black;  ///< else white
+};
+
+class BoardPattern {
+ public:
+  /// \throw Error as checkBoard()
+  explicit BoardPattern(const Board& board);
+
+  const Board& board() const { return board_; }
+  /// Cells along a marker's edge, its border of one cell included; 0 without markers.
+  int markerCells() const { return cells_; }
+  int markerCount() const { return board_.chessboard ? 0 : board_.squares_x * board_.squares_y / 2; }
+  /// The number of the marker in a square; none in a black one. \pre the board has that square
+  std::optional<int> markerIn(int column, int row) const;
+  /// The upper left corner of a marker. \pre 0 <= id < markerCount()
+  Vec2 markerCorner(int id) const;
+
+  /// Whether the board is black at a point of its plane; white beyond its edges.
+  bool isBlack(const Vec2& point_m) const;
+
+  /// The same, to be painted one over the other, on white. No two of one colour overlap but where another
+  /// stands between them.
+  std::vector<BoardRectangle> rectangles() const;
+
+ private:
+  bool isCellWhite(int marker, int row, int column) const {
+    return bits_[static_cast<std::size_t>((marker * cells_ + row) * cells_ + column)] != 0;
+  }
+
+  Board board_;
+  int cells_ = 0;
+  std::vector<std::uint8_t> bits_;  ///< of all markers, row by row; 1 where a cell is white
+};
+
+}  // namespace airclay

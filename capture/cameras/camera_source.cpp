@@ -1,0 +1,325 @@
+// SPDX-License-Identifier: MIT
+// Sources through OpenCV: V4L2, FFmpeg (files and streams); numbered pictures through picture_file, RTSP and
+// pipelines through gstreamer_source.
+#include "capture/cameras/camera_source.h"
+
+#include <algorithm>
+#include <cmath>
+#include <condition_variable>
+#include <cstdlib>
+#include <map>
+#include <mutex>
+#include <opencv2/videoio.hpp>
+
+#include "capture/cameras/gstreamer_source.h"
+#include "capture/images/quiet_opencv.h"
+#include "capture/images/video_reader.h"
+#include "engine/core/error.h"
+
+namespace airclay {
+namespace {
+
+// Of whatever doesn't say: the rate of ordinary cameras.
+constexpr double kDefaultRateHz = 30;
+// A stream that is silent for so long is lost; it is opened again then.
+constexpr int kOpenTimeoutMs = 4000, kReadTimeoutMs = 2000;
+// A file that is begun so late was begun anew: it does not catch up.
+constexpr double kMostBehindS = 1;
+// A driver's buffer times are believed when they lie so close before their arrival.
+constexpr double kPlausibleBufferAgeS = 1;
+
+/// "camera "left" (rtsp://…): "
+std::string where(const NamedSource& camera) {
+  return "camera \"" + camera.name + "\" (" + camera.source.text + "): ";
+}
+
+double saneRate(double rate_hz) {
+  return rate_hz > 0 && rate_hz <= 1000 ? rate_hz : kDefaultRateHz;
+}
+
+// ------------------------------------------------------------------------------------------ devices, streams
+
+/// What comes by itself: the source sets the pace.
+class RunningSource : public CameraSource {
+ public:
+  RunningSource(const NamedSource& camera, const SourceOptions& options) : camera_(camera) {
+    quietOpenCv();
+    if (camera.source.kind == SourceKind::kDevice)
+      openDevice(options);
+    else
+      openStream();
+    size_ = {static_cast<int>(video_.get(cv::CAP_PROP_FRAME_WIDTH)),
+             static_cast<int>(video_.get(cv::CAP_PROP_FRAME_HEIGHT))};
+    rate_hz_ = saneRate(video_.get(cv::CAP_PROP_FPS));
+  }
+
+  PictureSize size() const override { return size_; }
+  double rateHz() const override { return rate_hz_; }
+  TimeOrigin times() const override { return times_; }
+
+  bool read(LivePicture& picture, double& capture_s) override {
+    cv::Mat decoded;
+    if (!video_.grab())
+      throw Error(where(camera_) + "no picture comes any more (unplugged, ended, or the network is gone)");
+    const double arrival_s = secondsNow();
+    capture_s = captureTime(arrival_s);
+    if (!video_.retrieve(decoded) || decoded.empty() || decoded.type() != CV_8UC3)
+      throw Error(where(camera_) + "a picture cannot be decoded; 8-bit colour would be right");
+    picture.size = {decoded.cols, decoded.rows};
+    if (picture.size != size_)
+      throw Error(where(camera_) + "the picture's size changed to " + std::to_string(decoded.cols) + " x " +
+                  std::to_string(decoded.rows) + "; one size throughout would be right");
+    picture.bgr.resize(decoded.total() * 3);
+    decoded.copyTo(cv::Mat(decoded.rows, decoded.cols, CV_8UC3, picture.bgr.data()));
+    return true;
+  }
+
+ private:
+  void openDevice(const SourceOptions& options) {
+    // OpenCV waits 10 s for a device that is silent; it reads this once, at the first device.
+    setenv("OPENCV_VIDEOIO_V4L_SELECT_TIMEOUT", "2", 0);
+    const std::string& device = camera_.source.text;
+    if (!video_.open(device, cv::CAP_V4L2))
+      throw Error(where(camera_) +
+                  "the device cannot be opened (not there, or used by another program); one that `airclay "
+                  "cameras` lists would be right");
+    // In this order: the format decides the sizes, and the size the rates that there are.
+    if (!options.format.empty()) {
+      const std::string& f = options.format;
+      ask(cv::CAP_PROP_FOURCC, cv::VideoWriter::fourcc(f[0], f[1], f[2], f[3]), "pixel format " + f);
+    }
+    if (options.size) {
+      ask(cv::CAP_PROP_FRAME_WIDTH, options.size->width, "width " + std::to_string(options.size->width));
+      ask(cv::CAP_PROP_FRAME_HEIGHT, options.size->height, "height " + std::to_string(options.size->height));
+    }
+    if (options.rate_hz) video_.set(cv::CAP_PROP_FPS, *options.rate_hz);
+    // V4L2_EXPOSURE_MANUAL is 1 (videodev2.h); OpenCV hands the number on.
+    if (options.exposure) {
+      video_.set(cv::CAP_PROP_AUTO_EXPOSURE, 1);
+      ask(cv::CAP_PROP_EXPOSURE, *options.exposure, "a locked exposure");
+    }
+    if (options.gain) ask(cv::CAP_PROP_GAIN, *options.gain, "a locked gain");
+    times_ = TimeOrigin::kBuffer;
+  }
+
+  void ask(int property, double value, const std::string& words) {
+    if (!video_.set(property, value) || std::abs(video_.get(property) - value) > 0.5)
+      throw Error(where(camera_) + "the device does not give " + words +
+                  "; a mode that `airclay cameras` lists would be right");
+  }
+
+  void openStream() {
+    const std::vector<int> timeouts = {cv::CAP_PROP_OPEN_TIMEOUT_MSEC, kOpenTimeoutMs,
+                                       cv::CAP_PROP_READ_TIMEOUT_MSEC, kReadTimeoutMs};
+    if (!video_.open(camera_.source.text, cv::CAP_FFMPEG, timeouts))
+      throw Error(
+          where(camera_) +
+          "no stream answers there; the address of a camera or server that is running would be right");
+  }
+
+  double captureTime(double arrival_s) {
+    const double stream_s = video_.get(cv::CAP_PROP_POS_MSEC) / 1000;
+    if (times_ == TimeOrigin::kBuffer) {
+      const double age_s = arrival_s - stream_s;
+      if (age_s >= 0 && age_s <= kPlausibleBufferAgeS) return stream_s;
+      times_ = TimeOrigin::kArrival;  // another clock: of no use beside other cameras
+    }
+    // MJPEG over HTTP has no times, or counts frames; what doesn't grow says nothing.
+    const bool grows = std::isfinite(stream_s) && stream_s > last_stream_s_;
+    last_stream_s_ = stream_s;
+    return grows && camera_.source.kind == SourceKind::kStream ? clock_.captureOf(arrival_s, stream_s)
+                                                               : arrival_s;
+  }
+
+  NamedSource camera_;
+  cv::VideoCapture video_;
+  PictureSize size_;
+  double rate_hz_ = kDefaultRateHz;
+  TimeOrigin times_ = TimeOrigin::kArrival;
+  double last_stream_s_ = 0;
+  ArrivalClock clock_;
+};
+
+// -------------------------------------------------------------------------------------------------- files
+
+/// What has to be waited for: frame k is due at start + k / rate.
+class PacedSource : public CameraSource {
+ public:
+  PacedSource(const NamedSource& camera, bool loop) : camera_(camera), loop_(loop) {}
+
+  TimeOrigin times() const override { return TimeOrigin::kFile; }
+
+  void begin(Clock::time_point start) override {
+    // A thread that was a little late catches up: frame k of one file belongs to frame k of the others.
+    const double passed_s = secondsBetween(start, Clock::now());
+    const double frames = passed_s > kMostBehindS ? std::ceil(passed_s * rateHz()) : 0;
+    start_s_ = std::chrono::duration<double>(start.time_since_epoch()).count() + frames / rateHz();
+    played_ = 0;
+  }
+
+  bool read(LivePicture& picture, double& capture_s) override {
+    if (start_s_ < 0) begin(Clock::now());
+    capture_s = start_s_ + static_cast<double>(played_) / rateHz();
+    if (!waitUntil(capture_s)) return false;
+    if (!step(picture) && !(loop_ && played_ > 0 && rewind() && step(picture))) return false;
+    ++played_;
+    return true;
+  }
+
+  void stop() override {
+    const std::lock_guard lock(mutex_);
+    stopped_ = true;
+    changed_.notify_all();
+  }
+
+ protected:
+  /// The next frame into `picture`; false at the end.
+  virtual bool step(LivePicture& picture) = 0;
+  virtual bool rewind() = 0;
+
+  NamedSource camera_;
+
+ private:
+  bool waitUntil(double due_s) {
+    std::unique_lock lock(mutex_);
+    const std::chrono::duration<double> wait(due_s - secondsNow());
+    changed_.wait_for(lock, wait, [&] { return stopped_; });
+    return !stopped_;
+  }
+
+  bool loop_;
+  double start_s_ = -1;
+  long played_ = 0;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool stopped_ = false;
+};
+
+class VideoFileSource : public PacedSource {
+ public:
+  VideoFileSource(const NamedSource& camera, bool loop) : PacedSource(camera, loop) {
+    quietOpenCv();
+    if (!rewind())
+      throw Error(where(camera) +
+                  "the video cannot be opened (missing, damaged or of unknown form); a video file would be "
+                  "right");
+    size_ = {static_cast<int>(video_.get(cv::CAP_PROP_FRAME_WIDTH)),
+             static_cast<int>(video_.get(cv::CAP_PROP_FRAME_HEIGHT))};
+    rate_hz_ = saneRate(video_.get(cv::CAP_PROP_FPS));
+    if (!grabbed_) throw Error(where(camera) + "the video holds no frame that can be decoded");
+  }
+  PictureSize size() const override { return size_; }
+  double rateHz() const override { return rate_hz_; }
+
+ private:
+  /// The first frame is decoded at once: a decoder takes its time to begin, and is then late for long.
+  bool rewind() override {
+    if (!video_.open(camera_.source.text, cv::CAP_FFMPEG)) return false;
+    grabbed_ = video_.grab();
+    return true;
+  }
+
+  bool step(LivePicture& picture) override {
+    if (!grabbed_ && !video_.grab()) return false;
+    grabbed_ = false;
+    picture.size = size_;
+    picture.bgr.resize(3 * std::size_t(size_.width) * std::size_t(size_.height));
+    cv::Mat target(size_.height, size_.width, CV_8UC3, picture.bgr.data());
+    cv::Mat decoded = target;  // the decoder writes into it when size and type are as they should be
+    if (!video_.retrieve(decoded) || decoded.size() != target.size() || decoded.type() != target.type())
+      throw Error(where(camera_) +
+                  "a frame cannot be decoded, or is of another size; a whole recording of "
+                  "one size would be right");
+    if (decoded.data != target.data) decoded.copyTo(target);
+    return true;
+  }
+
+  cv::VideoCapture video_;
+  PictureSize size_;
+  double rate_hz_ = kDefaultRateHz;
+  bool grabbed_ = false;  ///< the next frame has been decoded
+};
+
+/// The pictures that a pattern stands for: those numbers that there are, in their order.
+std::vector<std::filesystem::path> picturesOf(const std::filesystem::path& pattern) {
+  const std::string name = pattern.filename().string();
+  const std::size_t percent = name.find('%'), end = name.find('d', percent);
+  const std::string before = name.substr(0, percent), after = name.substr(end + 1);
+  std::map<long, std::filesystem::path> found;
+  std::error_code fault;
+  const std::filesystem::path folder = pattern.has_parent_path() ? pattern.parent_path() : ".";
+  for (std::filesystem::directory_iterator at(folder, fault), stop; !fault && at != stop;
+       at.increment(fault)) {
+    const std::string file = at->path().filename().string();
+    if (file.size() <= before.size() + after.size() || !file.starts_with(before) || !file.ends_with(after))
+      continue;
+    const std::string number = file.substr(before.size(), file.size() - before.size() - after.size());
+    if (number.size() <= 9 && number.find_first_not_of("0123456789") == std::string::npos)
+      found[std::stol(number)] = at->path();
+  }
+  std::vector<std::filesystem::path> files;
+  for (const auto& [number, file] : found) files.push_back(file);
+  return files;
+}
+
+class PicturesSource : public PacedSource {
+ public:
+  PicturesSource(const NamedSource& camera, const SourceOptions& options)
+      : PacedSource(camera, options.loop), rate_hz_(saneRate(options.rate_hz.value_or(kDefaultRateHz))) {
+    const std::filesystem::path place = camera.source.text;
+    if (std::filesystem::is_directory(place))
+      for (const auto& [number, file] : numberedPictures(place)) files_.push_back(file);
+    else
+      files_ = picturesOf(place);
+    if (files_.empty())
+      throw Error(where(camera) +
+                  "there are no such pictures; a folder of 000000.png (or .jpg) and on, or a pattern as "
+                  "img_%04d.png, would be right");
+    size_ = pictureSize(files_.front());
+  }
+  PictureSize size() const override { return size_; }
+  double rateHz() const override { return rate_hz_; }
+
+ private:
+  bool rewind() override {
+    next_ = 0;
+    return true;
+  }
+  bool step(LivePicture& picture) override {
+    if (next_ >= files_.size()) return false;
+    const std::filesystem::path& file = files_[next_++];
+    picture.size = size_;
+    picture.bgr.resize(3 * std::size_t(size_.width) * std::size_t(size_.height));
+    try {
+      readPicture(file, size_, PixelForm::kBgr8, picture.bgr);
+    } catch (const Error& error) {
+      throw Error(where(camera_) + error.what());
+    }
+    return true;
+  }
+
+  std::vector<std::filesystem::path> files_;
+  std::size_t next_ = 0;
+  PictureSize size_;
+  double rate_hz_;
+};
+
+}  // namespace
+
+std::unique_ptr<CameraSource> openSource(const NamedSource& camera, const SourceOptions& options) {
+  if (!options.format.empty() && options.format.size() != 4)
+    throw Error("a pixel format is four letters; MJPG or YUYV would be right", Fault::kUsage);
+  switch (camera.source.kind) {
+    case SourceKind::kVideo:
+      return std::make_unique<VideoFileSource>(camera, options.loop);
+    case SourceKind::kPictures:
+      return std::make_unique<PicturesSource>(camera, options);
+    case SourceKind::kPipeline:
+      return openGStreamerSource(camera);
+    default:
+      if (camera.source.text.starts_with("rtsp://")) return openGStreamerSource(camera);
+      return std::make_unique<RunningSource>(camera, options);
+  }
+}
+
+}  // namespace airclay

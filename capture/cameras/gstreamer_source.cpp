@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: MIT
+#include "capture/cameras/gstreamer_source.h"
+
+#include <gst/app/gstappsink.h>
+#include <gst/video/video.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstring>
+#include <optional>
+
+#include "capture/cameras/gstreamer_objects.h"
+#include "engine/core/error.h"
+#include "engine/core/median.h"
+
+namespace airclay {
+namespace {
+
+// A stream that is silent for so long is lost; it is opened again then.
+constexpr double kOpenS = 4, kReadS = 2;
+// How long a wait is before faults, and the wish to stop, are looked for.
+constexpr double kLookAgainS = 0.05;
+// Where the stream does not say its rate, so many pictures do.
+constexpr std::size_t kPicturesForRate = 10;
+constexpr double kDefaultRateHz = 30;
+
+// The times are those of the stream, as they stand; hardware's decoders need drivers, and hold pictures back.
+constexpr const char* kRtsp =
+    "rtspsrc name=stream protocols=tcp latency=0 buffer-mode=none ! decodebin force-sw-decoders=true";
+// Whatever a pipeline ends in, we take from it the newest picture as BGR.
+constexpr const char* kEnd =
+    " ! videoconvert ! video/x-raw,format=BGR ! appsink max-buffers=1 drop=true sync=false";
+
+/// \throw Error with `before` in front
+Held<GstElement> pipelineFrom(const std::string& words, const std::string& before) {
+  GError* error = nullptr;
+  GstElement* const made = gst_parse_launch_full(words.c_str(), nullptr, GST_PARSE_FLAG_FATAL_ERRORS, &error);
+  const std::string fault = error ? error->message : "";
+  g_clear_error(&error);
+  if (!made)
+    throw Error(before + "the GStreamer pipeline cannot be run (" + fault +
+                "); words that gst-launch-1.0 runs, with their plugins installed, would be right");
+  return Held<GstElement>(GST_ELEMENT(gst_object_ref_sink(made)));
+}
+
+/// The first sink through which a program takes pictures; none when there is none.
+Held<GstElement> appsinkOf(GstElement* pipeline) {
+  if (GST_IS_APP_SINK(pipeline)) return Held<GstElement>(GST_ELEMENT(g_object_ref(pipeline)));
+  if (!GST_IS_BIN(pipeline)) return nullptr;
+  GstIterator* const all = gst_bin_iterate_all_by_element_factory_name(GST_BIN(pipeline), "appsink");
+  GValue value = G_VALUE_INIT;
+  Held<GstElement> found;
+  if (gst_iterator_next(all, &value) == GST_ITERATOR_OK) found.reset(GST_ELEMENT(g_value_dup_object(&value)));
+  g_value_unset(&value);
+  gst_iterator_free(all);
+  return found;
+}
+
+class GStreamerSource : public CameraSource {
+ public:
+  explicit GStreamerSource(const NamedSource& camera)
+      : where_("camera \"" + camera.name + "\" (" + camera.source.text + "): ") {
+    const bool rtsp = camera.source.kind == SourceKind::kStream;
+    startGStreamer(
+        {{"decodebin", "gstreamer1.0-plugins-base"}, {"videoconvert", "gstreamer1.0-plugins-base"}});
+    if (rtsp)
+      startGStreamer({{"rtspsrc", "gstreamer1.0-plugins-good"}, {"avdec_h264", "gstreamer1.0-libav"}});
+    const std::string words = rtsp ? kRtsp : camera.source.text;
+    pipeline_ = pipelineFrom(words.find("appsink") == std::string::npos ? words + kEnd : words, where_);
+    pictures_ = appsinkOf(pipeline_.get());
+    if (!pictures_)
+      throw Error(where_ + "the GStreamer pipeline has no appsink; one, or none at all, would be right");
+    if (rtsp) prepareStream(camera.source.text);
+    try {
+      open(rtsp);
+    } catch (...) {
+      gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
+      throw;
+    }
+  }
+  ~GStreamerSource() override { gst_element_set_state(pipeline_.get(), GST_STATE_NULL); }
+
+  PictureSize size() const override { return size_; }
+  double rateHz() const override { return rate_hz_; }
+  TimeOrigin times() const override { return TimeOrigin::kArrival; }
+
+  bool read(LivePicture& picture, double& capture_s) override {
+    const Held<GstSample> sample = next(kReadS);
+    if (stopped_) return false;
+    if (!sample)
+      throw Error(where_ + "no picture comes any more (unplugged, ended, or the network is gone" + fault_ +
+                  ")");
+    const double arrival_s = secondsNow();
+    const GstClockTime time = GST_BUFFER_PTS(gst_sample_get_buffer(sample.get()));
+    // a pipeline may give no times, or such as say nothing
+    const bool grows = GST_CLOCK_TIME_IS_VALID(time) && time > last_;
+    capture_s = grows ? clock_.captureOf(arrival_s, double(time) * 1e-9) : arrival_s;
+    if (GST_CLOCK_TIME_IS_VALID(time)) last_ = time;
+    copy(sample.get(), picture);
+    return true;
+  }
+  void stop() override { stopped_ = true; }
+
+ private:
+  void prepareStream(const std::string& address) {
+    const Held<GstElement> stream = elementOf(pipeline_.get(), "stream");
+    g_object_set(stream.get(), "location", address.c_str(), nullptr);
+    // a camera's microphone would take the decoder's place
+    g_signal_connect(stream.get(), "select-stream",
+                     G_CALLBACK(+[](GstElement*, guint, GstCaps* caps, gpointer) -> gboolean {
+                       const char* media = gst_structure_get_string(gst_caps_get_structure(caps, 0), "media");
+                       return media && std::strcmp(media, "video") == 0;
+                     }),
+                     nullptr);
+    // who comes between two whole pictures waits for the next one: what is decoded without it is a grey smear
+    g_signal_connect(pipeline_.get(), "deep-element-added",
+                     G_CALLBACK(+[](GstBin*, GstBin*, GstElement* element, gpointer) {
+                       if (g_object_class_find_property(G_OBJECT_GET_CLASS(element), "output-corrupt"))
+                         g_object_set(element, "output-corrupt", FALSE, nullptr);
+                     }),
+                     nullptr);
+  }
+
+  void open(bool rtsp) {
+    gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING);
+    const Held<GstSample> first = next(kOpenS);
+    const std::string why = fault_.empty() ? "" : " (" + fault_.substr(2) + ")";
+    if (!first && rtsp)
+      throw Error(where_ + "no stream answers there" + why +
+                  "; the address of a camera or server that is running would be right");
+    if (!first)
+      throw Error(where_ + "the GStreamer pipeline gives no picture" + why +
+                  "; words that gst-launch-1.0 runs, with their plugins installed, would be right");
+    const GstVideoInfo info = infoOf(first.get());
+    size_ = {info.width, info.height};
+    const double told_hz = info.fps_d > 0 ? double(info.fps_n) / info.fps_d : 0;
+    rate_hz_ = told_hz > 0 && told_hz <= 1000 ? told_hz : measuredRate();
+  }
+
+  double measuredRate() {
+    std::vector<double> periods_s;
+    for (std::optional<double> before_s; periods_s.size() < kPicturesForRate;) {
+      const Held<GstSample> sample = next(kReadS);
+      if (!sample) break;
+      const double time_s = double(GST_BUFFER_PTS(gst_sample_get_buffer(sample.get()))) * 1e-9;
+      if (before_s && time_s > *before_s) periods_s.push_back(time_s - *before_s);
+      before_s = time_s;
+    }
+    if (periods_s.size() < kPicturesForRate) return kDefaultRateHz;
+    return std::clamp(1 / median(std::move(periods_s)), 1.0, 1000.0);
+  }
+
+  /// The next picture; none when there is none so long, or no more, or after stop(). `fault_` says why, where
+  /// that is known.
+  Held<GstSample> next(double wait_s) {
+    const double until_s = secondsNow() + wait_s;
+    const Held<GstBus> bus(gst_element_get_bus(pipeline_.get()));
+    while (!stopped_ && secondsNow() < until_s) {
+      if (Held<GstSample> sample{gst_app_sink_try_pull_sample(GST_APP_SINK(pictures_.get()),
+                                                              GstClockTime(kLookAgainS * GST_SECOND))})
+        return sample;
+      const Held<GstMessage> message(
+          gst_bus_pop_filtered(bus.get(), GstMessageType(GST_MESSAGE_ERROR | GST_MESSAGE_EOS)));
+      if (!message) continue;
+      if (GST_MESSAGE_TYPE(message.get()) == GST_MESSAGE_ERROR) {
+        GError* error = nullptr;
+        gchar* details = nullptr;
+        gst_message_parse_error(message.get(), &error, &details);
+        // "Not Found (404)": the last line of the details, which else are places in GStreamer's code
+        fault_ = ": " + (details ? std::string(details) : std::string(error->message));
+        if (const std::size_t line = fault_.rfind('\n'); line != std::string::npos)
+          fault_ = ": " + fault_.substr(line + 1);
+        g_error_free(error);
+        g_free(details);
+      }
+      break;
+    }
+    return nullptr;
+  }
+
+  GstVideoInfo infoOf(GstSample* sample) const {
+    GstVideoInfo info;
+    if (!gst_video_info_from_caps(&info, gst_sample_get_caps(sample)) ||
+        GST_VIDEO_INFO_FORMAT(&info) != GST_VIDEO_FORMAT_BGR)
+      throw Error(where_ +
+                  "the pictures are not BGR; videoconvert ! video/x-raw,format=BGR before the appsink "
+                  "would be right");
+    return info;
+  }
+
+  void copy(GstSample* sample, LivePicture& picture) const {
+    GstVideoInfo info = infoOf(sample);
+    picture.size = {info.width, info.height};
+    if (picture.size != size_)
+      throw Error(where_ + "the picture's size changed to " + std::to_string(info.width) + " x " +
+                  std::to_string(info.height) + "; one size throughout would be right");
+    GstVideoFrame frame;
+    if (!gst_video_frame_map(&frame, &info, gst_sample_get_buffer(sample), GST_MAP_READ))
+      throw Error(where_ + "a picture cannot be read");
+    const std::size_t row = 3 * std::size_t(info.width);
+    picture.bgr.resize(row * std::size_t(info.height));
+    const auto* const pixels = static_cast<const std::uint8_t*>(GST_VIDEO_FRAME_PLANE_DATA(&frame, 0));
+    for (std::size_t y = 0; y < std::size_t(info.height); ++y)
+      std::memcpy(&picture.bgr[row * y], pixels + y * std::size_t(GST_VIDEO_FRAME_PLANE_STRIDE(&frame, 0)),
+                  row);
+    gst_video_frame_unmap(&frame);
+  }
+
+  std::string where_;
+  Held<GstElement> pipeline_, pictures_;
+  PictureSize size_;
+  double rate_hz_ = kDefaultRateHz;
+  ArrivalClock clock_;
+  GstClockTime last_ = 0;
+  std::string fault_;  ///< ": " and what GStreamer says, or empty
+  std::atomic<bool> stopped_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<CameraSource> openGStreamerSource(const NamedSource& camera) {
+  return std::make_unique<GStreamerSource>(camera);
+}
+
+}  // namespace airclay

@@ -1,0 +1,398 @@
+// SPDX-License-Identifier: MIT
+// One lock guards all that the threads share: frames come a hundred times a second, and what is done under
+// the lock takes microseconds.
+#include "capture/cameras/live_cameras.h"
+
+#include <algorithm>
+#include <cmath>
+#include <condition_variable>
+#include <limits>
+#include <mutex>
+
+#include "capture/cameras/frame_matcher.h"
+#include "capture/cameras/live_feed.h"
+#include "engine/core/error.h"
+
+namespace airclay {
+namespace {
+
+constexpr double kReopenS = 1;
+// Files begin together, once all are open.
+constexpr double kLeadS = 0.1;
+// How much of a camera's longest lag counts at its next frame (half after two seconds at 30 Hz), and how much
+// later than that a frame may be.
+constexpr double kLagFades = 0.99, kLagMarginS = 0.05;
+// One that lags more is named late, and not waited for.
+constexpr double kMostPatienceS = 5;
+// What waits to be matched, a camera: for sculpting the newest counts; for recording up to a second, so that
+// a disk may stutter. All cameras' pictures together take no more than so many bytes, if that leaves four
+// each.
+constexpr std::size_t kNewestFrames = 8, kEveryFrames = 30, kLeastFrames = 4;
+constexpr std::size_t kMostBytes = 512u << 20;
+// How long an end waits for reads that block.
+constexpr double kEndS = 0.7;
+constexpr double kLookAgainS = 0.02;
+
+std::string inWords(PictureSize size) {
+  return std::to_string(size.width) + " x " + std::to_string(size.height) + " pixels";
+}
+
+}  // namespace
+
+struct LiveCameras::Shared {
+  Shared(std::size_t cameras, const FrameMatcher::Options& matching)
+      : max_skew_s(matching.max_skew_s),
+        patience_s(matching.patience_s),
+        matcher(cameras, matching),
+        feeds(cameras) {}
+
+  mutable std::mutex mutex;
+  std::condition_variable changed;
+  bool stopping = false;
+  LiveOptions::Sets sets = LiveOptions::Sets::kNewest;
+  double max_skew_s, patience_s;
+  Clock::time_point start;
+  FrameMatcher matcher;
+  std::vector<Feed> feeds;
+
+  // of a camera's thread
+  void run(std::size_t index, std::unique_ptr<CameraSource> source);
+  std::unique_ptr<CameraSource> reopen(std::size_t index);
+  void readAll(std::size_t index, CameraSource& source);
+  void deliver(std::size_t index, LivePicture picture, double capture_s);
+
+  // under the lock
+  void trim(std::size_t index);
+  CameraState stateAt(std::size_t index, double now_s) const;
+  void expectWhoLives(double now_s);
+  LiveSet take(const FrameMatcher::Set& match);
+  bool isOver(double now_s) const;
+};
+
+void LiveCameras::Shared::run(std::size_t index, std::unique_ptr<CameraSource> source) {
+  Feed& feed = feeds[index];
+  for (bool ended = false; !ended;) {
+    if (source) {
+      std::string fault;
+      try {
+        readAll(index, *source);
+        ended = true;
+      } catch (const std::exception& error) {
+        fault = error.what();
+      }
+      const std::lock_guard lock(mutex);
+      feed.reading = nullptr;
+      feed.trouble = ended ? CameraState::kEnded : CameraState::kLost;
+      if (!ended) feed.fault = fault;
+      changed.notify_all();
+    }
+    source.reset();  // the device must be free before it is opened again
+    std::unique_lock lock(mutex);
+    if (!ended) changed.wait_for(lock, std::chrono::duration<double>(kReopenS), [&] { return stopping; });
+    if (stopping || ended) break;
+    feed.trouble = CameraState::kReconnecting;
+    lock.unlock();
+    source = reopen(index);
+  }
+  const std::lock_guard lock(mutex);
+  feed.done = true;
+  changed.notify_all();
+}
+
+std::unique_ptr<CameraSource> LiveCameras::Shared::reopen(std::size_t index) {
+  Feed& feed = feeds[index];
+  std::unique_ptr<CameraSource> source;
+  std::string fault;
+  try {
+    source = feed.camera.open();
+    if (source->size() != feed.size) {
+      fault = "camera \"" + feed.camera.name + "\" came back with " + inWords(source->size()) + "; " +
+              inWords(feed.size) + ", as before, would be right";
+      source.reset();
+    }
+  } catch (const std::exception& error) {
+    fault = error.what();
+  }
+  const std::lock_guard lock(mutex);
+  if (!source) {
+    feed.fault = fault;
+    return nullptr;
+  }
+  feed.trouble = CameraState::kLive;
+  feed.opened_s = feed.same_since_s = secondsNow();
+  ++feed.opened;
+  return source;
+}
+
+void LiveCameras::Shared::readAll(std::size_t index, CameraSource& source) {
+  {
+    const std::lock_guard lock(mutex);
+    if (stopping) return;
+    feeds[index].reading = &source;
+  }
+  source.begin(start);
+  LivePicture picture;
+  for (double capture_s = 0; source.read(picture, capture_s); picture = {}) {
+    {
+      const std::lock_guard lock(mutex);
+      if (stopping) return;
+      feeds[index].times = source.times();  // a driver's times may have turned out to be of no use
+    }
+    deliver(index, std::move(picture), capture_s);
+  }
+}
+
+void LiveCameras::Shared::deliver(std::size_t index, LivePicture picture, double capture_s) {
+  const std::uint64_t print = fingerprint(picture.bgr);
+  const double now_s = secondsNow();
+  const std::lock_guard lock(mutex);
+  Feed& feed = feeds[index];
+  capture_s -= feed.camera.offset_s;
+  if (print != feed.last_fingerprint || feed.frames == 0) feed.same_since_s = now_s;
+  feed.last_fingerprint = print;
+  const double periods = (capture_s - feed.last_capture_s) * feed.rate_hz;
+  if (feed.times != TimeOrigin::kArrival && std::isfinite(periods) && periods > 1.5)
+    feed.gaps += static_cast<std::uint64_t>(std::lround(periods)) - 1;
+  feed.last_capture_s = capture_s;
+  feed.lag_s = std::max(kLagFades * feed.lag_s, now_s - capture_s);
+  feed.arrivals_s.push_back(now_s);
+  while (now_s - feed.arrivals_s.front() > kRateWindowS) feed.arrivals_s.pop_front();
+  const std::uint64_t id = feed.frames++;
+  feed.kept.push_back({id, std::move(picture), Clock::now()});
+  matcher.expect(index, !feed.isStuck(now_s));
+  matcher.add(index, capture_s, id);
+  trim(index);
+  changed.notify_all();
+}
+
+void LiveCameras::Shared::trim(std::size_t index) {
+  std::deque<Feed::Kept>& kept = feeds[index].kept;
+  const std::uint64_t oldest = matcher.oldestWaiting(index);
+  while (!kept.empty() && kept.front().id < oldest) kept.pop_front();
+}
+
+CameraState LiveCameras::Shared::stateAt(std::size_t index, double now_s) const {
+  double others_s = -std::numeric_limits<double>::infinity();
+  for (std::size_t c = 0; c < feeds.size(); ++c)
+    if (c != index) others_s = std::max(others_s, feeds[c].last_capture_s);
+  return feeds[index].stateAt(now_s, others_s);
+}
+
+/// Sets wait only for cameras from which something can come, and as long as the slowest of them needs.
+void LiveCameras::Shared::expectWhoLives(double now_s) {
+  double longest_lag_s = 0;
+  for (std::size_t c = 0; c < feeds.size(); ++c) {
+    const CameraState state = stateAt(c, now_s);
+    const bool lives = state == CameraState::kLive || state == CameraState::kLate;
+    // What came before its end is used, in its turn.
+    const bool has_some = sets == LiveOptions::Sets::kEvery || state == CameraState::kEnded
+                              ? !feeds[c].isStuck(now_s) && matcher.waiting(c) > 0
+                              : false;
+    matcher.expect(c, lives || has_some);
+    trim(c);
+    if (lives) longest_lag_s = std::max(longest_lag_s, feeds[c].lag_s);
+  }
+  matcher.setPatience(std::clamp(longest_lag_s + kLagMarginS, patience_s, kMostPatienceS));
+}
+
+LiveSet LiveCameras::Shared::take(const FrameMatcher::Set& match) {
+  LiveSet set;
+  set.camera_times_s = match.times_s;
+  set.skew_s = match.skew_s;
+  set.complete = match.complete;
+  set.pictures.resize(feeds.size());
+  int count = 0;
+  for (const double time_s : match.times_s)
+    if (!std::isnan(time_s)) set.time_s += time_s, ++count;
+  set.time_s /= count;
+  for (std::size_t c = 0; c < feeds.size(); ++c) {
+    if (!match.ids[c]) continue;
+    feeds[c].skew_s = match.times_s[c] - set.time_s;
+    for (Feed::Kept& kept : feeds[c].kept)
+      if (kept.id == *match.ids[c]) {
+        set.pictures[c] = std::move(kept.picture);
+        set.arrived_at = std::max(set.arrived_at, kept.arrived_at);
+      }
+    trim(c);
+  }
+  return set;
+}
+
+/// All were files, and nothing that waits can come into a set any more.
+bool LiveCameras::Shared::isOver(double now_s) const {
+  double last_s = -std::numeric_limits<double>::infinity();
+  for (const Feed& feed : feeds) {
+    if (feed.trouble != CameraState::kEnded) return false;
+    last_s = std::max(last_s, feed.last_capture_s);
+  }
+  const bool patient = sets == LiveOptions::Sets::kEvery || now_s - last_s <= 2 * patience_s;
+  return matcher.empty() || !patient;
+}
+
+// -------------------------------------------------------------------------------------------- LiveCameras
+
+LiveCameras::LiveCameras(std::vector<LiveCamera> cameras, const LiveOptions& options) {
+  std::vector<std::unique_ptr<CameraSource>> sources;
+  double slowest_hz = std::numeric_limits<double>::infinity();
+  std::size_t bytes = 0;  // of a set
+  for (const LiveCamera& camera : cameras) {
+    sources.push_back(camera.open());
+    slowest_hz = std::min(slowest_hz, sources.back()->rateHz());
+    const PictureSize size = sources.back()->size();
+    bytes += 3 * std::size_t(size.width) * std::size_t(size.height);
+  }
+  const bool every = options.sets == LiveOptions::Sets::kEvery;
+  FrameMatcher::Options matching;
+  matching.max_skew_s = options.max_skew_s.value_or((every ? 1 : 0.5) / slowest_hz);
+  matching.patience_s = options.patience_s.value_or(every ? 0.5 : 0.1);
+  matching.queue_frames = std::clamp(kMostBytes / std::max<std::size_t>(bytes, 1), kLeastFrames,
+                                     every ? kEveryFrames : kNewestFrames);
+  shared_ = std::make_shared<Shared>(cameras.size(), matching);
+  shared_->sets = options.sets;
+  shared_->start =
+      Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(kLeadS));
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    Feed& feed = shared_->feeds[c];
+    feed.camera = std::move(cameras[c]);
+    feed.size = sources[c]->size();
+    feed.rate_hz = sources[c]->rateHz();
+    feed.times = sources[c]->times();
+    feed.opened_s = feed.same_since_s = secondsNow();
+    feed.opened = 1;
+  }
+  for (std::size_t c = 0; c < sources.size(); ++c)
+    threads_.emplace_back([shared = shared_, c, source = std::move(sources[c])]() mutable {
+      shared->run(c, std::move(source));
+    });
+}
+
+LiveCameras::~LiveCameras() {
+  std::unique_lock lock(shared_->mutex);
+  shared_->stopping = true;
+  for (const Feed& feed : shared_->feeds)
+    if (feed.reading) feed.reading->stop();
+  shared_->changed.notify_all();
+  const auto allDone = [&] {
+    return std::all_of(shared_->feeds.begin(), shared_->feeds.end(), [](const Feed& f) { return f.done; });
+  };
+  shared_->changed.wait_for(lock, std::chrono::duration<double>(kEndS), allDone);
+  for (std::size_t c = 0; c < threads_.size(); ++c) {
+    if (!shared_->feeds[c].done) {
+      threads_[c].detach();
+      continue;
+    }
+    lock.unlock();
+    threads_[c].join();
+    lock.lock();
+  }
+}
+
+std::optional<LiveSet> LiveCameras::next(double wait_s) {
+  Shared& shared = *shared_;
+  const double until_s = secondsNow() + wait_s;
+  std::unique_lock lock(shared.mutex);
+  for (;;) {
+    const double now_s = secondsNow();
+    shared.expectWhoLives(now_s);
+    const bool every = shared.sets == LiveOptions::Sets::kEvery;
+    if (const auto match = every ? shared.matcher.next(now_s) : shared.matcher.newest(now_s))
+      return shared.take(*match);
+    if (now_s >= until_s || shared.isOver(now_s)) return std::nullopt;
+    // States and patience are matters of time: look now and then, also when no picture comes.
+    shared.changed.wait_for(lock, std::chrono::duration<double>(std::min(until_s - now_s, kLookAgainS)));
+  }
+}
+
+bool LiveCameras::ended() const {
+  const std::lock_guard lock(shared_->mutex);
+  return shared_->isOver(secondsNow());
+}
+
+std::vector<CameraStatus> LiveCameras::status() const {
+  const std::lock_guard lock(shared_->mutex);
+  const double now_s = secondsNow();
+  std::vector<CameraStatus> all;
+  for (std::size_t c = 0; c < shared_->feeds.size(); ++c) {
+    CameraStatus one = shared_->feeds[c].statusAt(now_s);
+    one.state = shared_->stateAt(c, now_s);
+    one.drops += shared_->matcher.dropped(c);
+    all.push_back(one);
+  }
+  return all;
+}
+
+std::optional<double> LiveCameras::refusedSkew() const {
+  const std::lock_guard lock(shared_->mutex);
+  return shared_->matcher.refusedSkew();
+}
+
+double LiveCameras::maxSkew() const {
+  return shared_->max_skew_s;
+}
+
+double LiveCameras::slowestRateHz() const {
+  double slowest_hz = std::numeric_limits<double>::infinity();
+  for (const CameraStatus& camera : status()) slowest_hz = std::min(slowest_hz, camera.rate_hz);
+  return slowest_hz;
+}
+
+void LiveCameras::setOffsets(const std::vector<double>& offsets_s) {
+  const std::lock_guard lock(shared_->mutex);
+  for (std::size_t c = 0; c < offsets_s.size() && c < shared_->feeds.size(); ++c)
+    shared_->feeds[c].camera.offset_s = offsets_s[c];
+}
+
+LiveCamera liveCamera(const NamedSource& camera, const SourceOptions& options, double offset_s) {
+  return {camera.name, [camera, options] { return openSource(camera, options); }, offset_s};
+}
+
+const char* wordsOn(CameraState state) {
+  switch (state) {
+    case CameraState::kLive:
+      return "live";
+    case CameraState::kLate:
+      return "late";
+    case CameraState::kFrozen:
+      return "frozen";
+    case CameraState::kLost:
+      return "lost";
+    case CameraState::kReconnecting:
+      return "reconnecting";
+    default:
+      return "ended";
+  }
+}
+
+std::vector<NamedSource> inOrderOf(const Rig& rig, const std::vector<NamedSource>& sources) {
+  std::string names;
+  for (const Camera& camera : rig.cameras) names += (names.empty() ? "" : ", ") + camera.name;
+  std::vector<NamedSource> ordered;
+  for (const Camera& camera : rig.cameras) {
+    const auto found = std::find_if(sources.begin(), sources.end(),
+                                    [&](const NamedSource& source) { return source.name == camera.name; });
+    if (found == sources.end())
+      throw Error("the rig's camera \"" + camera.name + "\" has no source; --camera " + camera.name +
+                      "=SOURCE would be right",
+                  Fault::kUsage);
+    ordered.push_back(*found);
+  }
+  for (const NamedSource& source : sources)
+    if (std::none_of(rig.cameras.begin(), rig.cameras.end(),
+                     [&](const Camera& camera) { return camera.name == source.name; }))
+      throw Error("--camera " + source.name + "=...: the rig has no camera of this name; one of " + names +
+                      " would be right",
+                  Fault::kUsage);
+  return ordered;
+}
+
+void checkSizes(const Rig& rig, const LiveCameras& cameras) {
+  const std::vector<CameraStatus> all = cameras.status();
+  for (std::size_t c = 0; c < all.size() && c < rig.cameras.size(); ++c) {
+    const PictureSize right{rig.cameras[c].width, rig.cameras[c].height};
+    if (all[c].size != right)
+      throw Error("camera \"" + all[c].name + "\" gives " + inWords(all[c].size) + "; the rig's " +
+                  inWords(right) + " would be right");
+  }
+}
+
+}  // namespace airclay

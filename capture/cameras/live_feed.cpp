@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+#include "capture/cameras/live_feed.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace airclay {
+namespace {
+
+// A camera that is silent for so long is frozen: at 1 m/s the hand is elsewhere by half a metre.
+constexpr double kFrozenS = 0.5;
+// A sensor's noise makes every picture another; the same bytes for so long come from a stuck driver.
+constexpr double kSamePictureS = 2;
+// A camera may take so long to give its first picture.
+constexpr double kFirstPictureS = 3;
+// Below this share of its rate a camera is late.
+constexpr double kLateShare = 0.8;
+
+}  // namespace
+
+double Feed::measuredHz(double now_s) const {
+  const auto first = std::find_if(arrivals_s.begin(), arrivals_s.end(),
+                                  [&](double arrival_s) { return now_s - arrival_s <= kRateWindowS; });
+  const auto count = arrivals_s.end() - first;
+  if (count < 2) return 0;
+  // Since its last picture, too, time has passed: the rate of a camera that stops falls.
+  const double silent_s = std::max(0.0, now_s - arrivals_s.back() - 1 / rate_hz);
+  return static_cast<double>(count - 1) / (arrivals_s.back() - *first + silent_s);
+}
+
+bool Feed::isStuck(double now_s) const {
+  return times != TimeOrigin::kFile && frames > 0 && now_s - same_since_s > kSamePictureS;
+}
+
+CameraState Feed::stateAt(double now_s, double others_capture_s) const {
+  if (trouble != CameraState::kLive) return trouble;
+  const bool has_come = !arrivals_s.empty() && arrivals_s.back() >= opened_s;
+  if (!has_come) return now_s - opened_s > kFirstPictureS ? CameraState::kFrozen : CameraState::kLive;
+  const double silent_s = now_s - arrivals_s.back();
+  if (silent_s > std::max(kFrozenS, 2.5 / rate_hz) || isStuck(now_s)) return CameraState::kFrozen;
+  const bool rate_known = now_s - opened_s > kRateWindowS;
+  const bool slow = rate_known && measuredHz(now_s) < kLateShare * rate_hz;
+  const bool behind = others_capture_s - last_capture_s > std::max(kFrozenS, 2.5 / rate_hz);
+  return slow || behind || silent_s > std::max(0.1, 2.5 / rate_hz) ? CameraState::kLate : CameraState::kLive;
+}
+
+CameraStatus Feed::statusAt(double now_s) const {
+  CameraStatus one;
+  one.name = camera.name;
+  one.size = size;
+  one.rate_hz = rate_hz;
+  one.measured_hz = measuredHz(now_s);
+  one.times = times;
+  one.frames = frames;
+  one.drops = gaps;
+  one.reconnects = opened - 1;
+  one.skew_s = skew_s;
+  one.fault = fault;
+  return one;
+}
+
+/// Words, multiplied (the constant of Knuth's multiplicative hashing).
+std::uint64_t fingerprint(const std::vector<std::uint8_t>& bytes) {
+  std::uint64_t hash = bytes.size();
+  for (std::size_t i = 0; i + 8 <= bytes.size(); i += 8) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, &bytes[i], 8);
+    hash = (hash ^ word) * 0x9e3779b97f4a7c15u;
+    hash ^= hash >> 32;
+  }
+  return hash;
+}
+
+}  // namespace airclay

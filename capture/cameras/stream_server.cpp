@@ -1,0 +1,367 @@
+// SPDX-License-Identifier: MIT
+// A camera's thread takes its newest picture and hands it to the pipeline of those who watch, if there are
+// any: appsrc, x264enc, rtph264pay. GStreamer's RTSP server makes that pipeline when the first one comes, and
+// takes it down when the last one has left.
+#include "capture/cameras/stream_server.h"
+
+#include <arpa/inet.h>
+#include <gst/app/gstappsrc.h>
+#include <gst/rtsp-server/rtsp-server.h>
+#include <gst/video/video.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <mutex>
+#include <thread>
+
+#include "capture/cameras/gstreamer_objects.h"
+#include "engine/core/error.h"
+
+namespace airclay {
+namespace {
+
+// How long a camera's thread waits for a picture before it looks at its state.
+constexpr double kWaitS = 0.1;
+// Whole pictures: somebody who comes waits half as long as this, on average.
+constexpr double kWholePictureEveryS = 0.5;
+// Constant quality: 20 is hard to tell from the original. Noise may cost up to half a bit a pixel (5 Mbit/s
+// for 640 x 480 at 30 Hz), over a third of a second.
+constexpr int kQuantizer = 20, kBufferMs = 333;
+constexpr double kMostBitsAPixel = 0.5;
+constexpr int kLeastKbit = 1000;
+// Pictures that wait for the encoder; the oldest is dropped when another comes.
+constexpr int kWaitingPictures = 2;
+// Clients at a time, and how often those are looked for that are silent for a minute.
+constexpr guint kMostSessions = 64, kCleanupS = 5;
+
+/// A shared owner as a signal's data: it lives as long as the connection.
+template <typename T>
+void connect(gpointer object, const char* signal, GCallback callback, const std::shared_ptr<T>& data) {
+  g_signal_connect_data(
+      object, signal, callback, new std::shared_ptr<T>(data),
+      [](gpointer owner, GClosure*) { delete static_cast<std::shared_ptr<T>*>(owner); }, GConnectFlags(0));
+}
+
+// ------------------------------------------------------------------------------------------------ a camera
+
+/// Files that are opened one after the other still run in step: all begin at the same time.
+class InStep : public CameraSource {
+ public:
+  InStep(std::unique_ptr<CameraSource> source, Clock::time_point start)
+      : source_(std::move(source)), start_(start) {}
+  PictureSize size() const override { return source_->size(); }
+  double rateHz() const override { return source_->rateHz(); }
+  TimeOrigin times() const override { return source_->times(); }
+  void begin(Clock::time_point) override { source_->begin(start_); }
+  bool read(LivePicture& picture, double& capture_s) override { return source_->read(picture, capture_s); }
+  void stop() override { source_->stop(); }
+
+ private:
+  std::unique_ptr<CameraSource> source_;
+  Clock::time_point start_;
+};
+
+LiveCamera inStep(const NamedSource& camera, const SourceOptions& options, Clock::time_point start) {
+  return {camera.name, [=] { return std::make_unique<InStep>(openSource(camera, options), start); }};
+}
+
+/// The picture's bytes become the buffer's.
+GstBuffer* bufferOf(LivePicture picture) {
+  const auto width = static_cast<guint>(picture.size.width), height = static_cast<guint>(picture.size.height);
+  auto* const bytes = new std::vector<std::uint8_t>(std::move(picture.bgr));
+  GstBuffer* const buffer = gst_buffer_new_wrapped_full(
+      GST_MEMORY_FLAG_READONLY, bytes->data(), bytes->size(), 0, bytes->size(), bytes,
+      [](gpointer p) { delete static_cast<std::vector<std::uint8_t>*>(p); });
+  // our rows are tightly packed, GStreamer's own would begin at multiples of four
+  gsize offsets[GST_VIDEO_MAX_PLANES] = {};
+  gint strides[GST_VIDEO_MAX_PLANES] = {3 * picture.size.width};
+  gst_buffer_add_video_meta_full(buffer, GST_VIDEO_FRAME_FLAG_NONE, GST_VIDEO_FORMAT_BGR, width, height, 1,
+                                 offsets, strides);
+  return buffer;
+}
+
+class ServedCamera {
+ public:
+  ServedCamera(const NamedSource& camera, const SourceOptions& options, Clock::time_point start)
+      : cameras_(std::make_unique<LiveCameras>(std::vector{inStep(camera, options, start)})),
+        status_(cameras_->status()[0]) {}
+
+  /// Of its own thread.
+  void run() {
+    while (!stopping_) {
+      std::optional<LiveSet> set = cameras_->next(kWaitS);
+      const CameraStatus status = cameras_->status()[0];
+      const std::lock_guard lock(mutex_);
+      status_ = status;
+      if (set) push(std::move(set->pictures[0]), set->time_s);
+      if (!set && cameras_->ended()) break;
+    }
+    cameras_.reset();
+    const std::lock_guard lock(mutex_);
+    status_.state = CameraState::kEnded;
+    ended_ = true;
+    if (pictures_) gst_app_src_end_of_stream(pictures_.get());
+  }
+  void stop() { stopping_ = true; }
+
+  void statusTo(StreamStatus& status) const {
+    const std::lock_guard lock(mutex_);
+    status.camera = status_;
+    status.watched = pictures_ != nullptr;
+    status.streamed = streamed_;
+  }
+  CameraStatus status() const {
+    const std::lock_guard lock(mutex_);
+    return status_;
+  }
+  bool ended() const {
+    const std::lock_guard lock(mutex_);
+    return ended_;
+  }
+  /// Whether who asks for it now would get pictures.
+  bool runs() const {
+    const CameraState state = status().state;
+    return !ended() && (state == CameraState::kLive || state == CameraState::kLate);
+  }
+
+  /// From now on its pictures go there.
+  void watchedThrough(Held<GstAppSrc> pictures) {
+    const std::lock_guard lock(mutex_);
+    pictures_ = std::move(pictures);
+    last_ = 0;
+  }
+  void leave(const GstAppSrc* pictures) {
+    const std::lock_guard lock(mutex_);
+    if (pictures_.get() == pictures) pictures_.reset();
+  }
+
+ private:
+  /// Under the lock. The pipeline's clock is CLOCK_MONOTONIC, as that of capture times.
+  void push(LivePicture picture, double capture_s) {
+    if (!pictures_) return;
+    const GstClockTime base = gst_element_get_base_time(GST_ELEMENT(pictures_.get()));
+    const auto captured = static_cast<GstClockTime>(std::llround(capture_s * 1e9));
+    if (base == 0 || captured < base + last_) return;  // it doesn't run yet
+    last_ = captured - base + 1;
+    GstBuffer* const buffer = bufferOf(std::move(picture));
+    GST_BUFFER_PTS(buffer) = captured - base;
+    if (gst_app_src_push_buffer(pictures_.get(), buffer) == GST_FLOW_OK) ++streamed_;
+  }
+
+  std::unique_ptr<LiveCameras> cameras_;  ///< this camera alone
+  std::atomic<bool> stopping_ = false;
+  mutable std::mutex mutex_;
+  CameraStatus status_;
+  bool ended_ = false;
+  Held<GstAppSrc> pictures_;  ///< none: nobody watches
+  GstClockTime last_ = 0;     ///< the next picture's least time
+  std::uint64_t streamed_ = 0;
+};
+
+// ------------------------------------------------------------------------------------------- its pipeline
+
+/// What codes a camera's pictures. The colours are BT.601's whatever the size: OpenCV reads them so.
+std::string pipelineOf(const CameraStatus& camera) {
+  const auto number = [](double value) { return std::to_string(std::lround(value)); };
+  const PictureSize size = camera.size;
+  const double pixels_hz = double(size.width) * size.height * camera.rate_hz;
+  const bool even = size.width % 2 == 0 && size.height % 2 == 0;  // I420's colours are halved
+  return "( appsrc name=pictures is-live=true format=time block=false leaky-type=downstream max-bytes=0 "
+         "max-buffers=" +
+         std::to_string(kWaitingPictures) +
+         " caps=\"video/x-raw,format=BGR,width=" + std::to_string(size.width) +
+         ",height=" + std::to_string(size.height) + ",framerate=" + number(1000 * camera.rate_hz) +
+         "/1000\" ! videoconvert ! video/x-raw,colorimetry=bt601,format=" + (even ? "I420" : "Y444") +
+         " ! x264enc tune=zerolatency speed-preset=veryfast bframes=0 threads=1 pass=qual quantizer=" +
+         std::to_string(kQuantizer) + " vbv-buf-capacity=" + std::to_string(kBufferMs) +
+         " bitrate=" + number(std::clamp(kMostBitsAPixel * pixels_hz / 1000, double(kLeastKbit), 1e6)) +
+         " key-int-max=" + number(std::max(1.0, kWholePictureEveryS * camera.rate_hz)) +
+         " ! rtph264pay name=pay0 pt=96 config-interval=-1 aggregate-mode=zero-latency )";
+}
+
+Held<GstAppSrc> picturesOf(GstRTSPMedia* media) {
+  const Held<GstElement> bin(gst_rtsp_media_get_element(media));
+  return Held<GstAppSrc>(GST_APP_SRC(elementOf(bin.get(), "pictures").release()));
+}
+
+void addStream(GstRTSPMountPoints* mounts, const std::shared_ptr<ServedCamera>& camera) {
+  const CameraStatus status = camera->status();
+  GstRTSPMediaFactory* const factory = gst_rtsp_media_factory_new();
+  gst_rtsp_media_factory_set_launch(factory, pipelineOf(status).c_str());
+  gst_rtsp_media_factory_set_shared(factory, TRUE);
+  gst_rtsp_media_factory_set_protocols(factory, GST_RTSP_LOWER_TRANS_TCP);
+  const Held<GstClock> clock(gst_system_clock_obtain());
+  gst_rtsp_media_factory_set_clock(factory, clock.get());
+  connect(factory, "media-configure",
+          G_CALLBACK(+[](GstRTSPMediaFactory*, GstRTSPMedia* media, std::shared_ptr<ServedCamera>* watched) {
+            connect(media, "unprepared",
+                    G_CALLBACK(+[](GstRTSPMedia* gone, std::shared_ptr<ServedCamera>* left) {
+                      (*left)->leave(picturesOf(gone).get());
+                    }),
+                    *watched);
+            (*watched)->watchedThrough(picturesOf(media));
+          }),
+          camera);
+  gst_rtsp_mount_points_add_factory(mounts, ("/" + status.name).c_str(), factory);
+}
+
+std::string inUrl(const std::string& address) {
+  return address.find(':') == std::string::npos ? address : "[" + address + "]";
+}
+
+/// \throw Error (Fault::kUsage). A name would have to be looked up, which can take long.
+void checkAddress(const StreamServerOptions& options) {
+  in6_addr place;
+  if (inet_pton(AF_INET, options.address.c_str(), &place) != 1 &&
+      inet_pton(AF_INET6, options.address.c_str(), &place) != 1)
+    throw Error("address " + options.address +
+                    ": 127.0.0.1 (this machine alone), 0.0.0.0 (all that reach it) or another address of "
+                    "this machine would be right",
+                Fault::kUsage);
+  if (options.port < 0 || options.port > 65535)
+    throw Error("port " + std::to_string(options.port) +
+                    ": 1 to 65535, or 0 for any that is free, would be "
+                    "right",
+                Fault::kUsage);
+}
+
+}  // namespace
+
+// ------------------------------------------------------------------------------------------- StreamServer
+
+struct StreamServer::Parts {
+  using Cameras = std::vector<std::shared_ptr<ServedCamera>>;
+
+  StreamServerOptions options;
+  std::shared_ptr<Cameras> cameras = std::make_shared<Cameras>();
+  GMainContext* context = g_main_context_new();
+  GMainLoop* loop = g_main_loop_new(context, FALSE);
+  Held<GstRTSPServer> server;
+  Held<GSource> connections;
+  int port = 0;
+  std::vector<std::thread> threads;
+
+  explicit Parts(const StreamServerOptions& given) : options(given) {}
+  ~Parts();
+  void takePort();
+  void begin();
+};
+
+/// Clients that come wait until begin().
+void StreamServer::Parts::takePort() {
+  server.reset(gst_rtsp_server_new());
+  gst_rtsp_server_set_address(server.get(), options.address.c_str());
+  gst_rtsp_server_set_service(server.get(), std::to_string(options.port).c_str());
+  GError* fault = nullptr;
+  connections.reset(gst_rtsp_server_create_source(server.get(), nullptr, &fault));
+  if (!connections) {
+    const bool taken = g_error_matches(fault, G_IO_ERROR, G_IO_ERROR_ADDRESS_IN_USE);
+    const std::string what = fault->message;
+    g_error_free(fault);
+    throw Error(inUrl(options.address) + ":" + std::to_string(options.port) + " cannot be listened at: " +
+                    (taken ? "another program has the port; another --port would be right"
+                           : what + "; an address of this machine and a port from 1024 on would be right"),
+                Fault::kUsage);
+  }
+  port = gst_rtsp_server_get_bound_port(server.get());
+}
+
+void StreamServer::Parts::begin() {
+  // A thread for each client: one that asks for a camera without pictures is not in the others' way.
+  const Held<GstRTSPThreadPool> pool(gst_rtsp_server_get_thread_pool(server.get()));
+  gst_rtsp_thread_pool_set_max_threads(pool.get(), -1);
+  const Held<GstRTSPSessionPool> sessions(gst_rtsp_server_get_session_pool(server.get()));
+  gst_rtsp_session_pool_set_max_sessions(sessions.get(), kMostSessions);
+  const Held<GstRTSPMountPoints> mounts(gst_rtsp_server_get_mount_points(server.get()));
+  for (const std::shared_ptr<ServedCamera>& camera : *cameras) addStream(mounts.get(), camera);
+  connect(server.get(), "client-connected",
+          G_CALLBACK(+[](GstRTSPServer*, GstRTSPClient* client, std::shared_ptr<Cameras>* all) {
+            connect(client, "pre-describe-request",
+                    G_CALLBACK(+[](GstRTSPClient*, GstRTSPContext* asked, std::shared_ptr<Cameras>* those) {
+                      for (const std::shared_ptr<ServedCamera>& camera : **those)
+                        if (asked->uri->abspath == "/" + camera->status().name && !camera->runs())
+                          return GST_RTSP_STS_SERVICE_UNAVAILABLE;
+                      return GST_RTSP_STS_OK;
+                    }),
+                    *all);
+          }),
+          cameras);
+  const Held<GSource> cleanup(g_timeout_source_new_seconds(kCleanupS));
+  g_source_set_callback(
+      cleanup.get(),
+      [](gpointer all) -> gboolean {
+        gst_rtsp_session_pool_cleanup(static_cast<GstRTSPSessionPool*>(all));
+        return TRUE;
+      },
+      g_object_ref(sessions.get()), g_object_unref);
+  g_source_attach(cleanup.get(), context);
+  g_source_attach(connections.get(), context);
+  threads.emplace_back([this] {
+    g_main_context_push_thread_default(context);
+    g_main_loop_run(loop);
+    g_main_context_pop_thread_default(context);
+  });
+  for (const std::shared_ptr<ServedCamera>& camera : *cameras)
+    threads.emplace_back([camera] { camera->run(); });
+}
+
+StreamServer::Parts::~Parts() {
+  for (const std::shared_ptr<ServedCamera>& camera : *cameras) camera->stop();
+  if (server)
+    gst_rtsp_server_client_filter(
+        server.get(), [](GstRTSPServer*, GstRTSPClient*, gpointer) { return GST_RTSP_FILTER_REMOVE; },
+        nullptr);
+  // from within: a loop that has not begun yet would miss it
+  const Held<GSource> end(g_idle_source_new());
+  g_source_set_callback(
+      end.get(),
+      [](gpointer running) -> gboolean {
+        g_main_loop_quit(static_cast<GMainLoop*>(running));
+        return FALSE;
+      },
+      loop, nullptr);
+  g_source_attach(end.get(), context);
+  for (std::thread& thread : threads) thread.join();
+  server.reset();
+  g_main_loop_unref(loop);
+  g_main_context_unref(context);
+}
+
+StreamServer::StreamServer(const std::vector<NamedSource>& cameras, const StreamServerOptions& options) {
+  checkAddress(options);
+  startGStreamer({{"appsrc", "gstreamer1.0-plugins-base"},
+                  {"videoconvert", "gstreamer1.0-plugins-base"},
+                  {"rtpbin", "gstreamer1.0-plugins-good"},
+                  {"rtph264pay", "gstreamer1.0-plugins-good"},
+                  {"x264enc", "gstreamer1.0-plugins-ugly"}});
+  parts_ = std::make_unique<Parts>(options);
+  parts_->takePort();
+  const Clock::time_point start = Clock::now();
+  for (const NamedSource& camera : cameras)
+    parts_->cameras->push_back(std::make_shared<ServedCamera>(camera, options.sources, start));
+  parts_->begin();
+}
+
+StreamServer::~StreamServer() = default;
+
+int StreamServer::port() const {
+  return parts_->port;
+}
+
+std::vector<StreamStatus> StreamServer::status() const {
+  std::vector<StreamStatus> all;
+  for (const std::shared_ptr<ServedCamera>& camera : *parts_->cameras) {
+    camera->statusTo(all.emplace_back());
+    all.back().address = "rtsp://" + inUrl(parts_->options.address) + ":" + std::to_string(port()) + "/" +
+                         all.back().camera.name;
+  }
+  return all;
+}
+
+bool StreamServer::ended() const {
+  return std::all_of(parts_->cameras->begin(), parts_->cameras->end(),
+                     [](const std::shared_ptr<ServedCamera>& camera) { return camera->ended(); });
+}
+
+}  // namespace airclay

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+// The machine's Video4Linux cameras and what each offers. Untested on hardware: where this was written there
+// was none.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "capture/images/image_file.h"
+
+namespace airclay {
+
+/// One size in one pixel format.
+struct V4l2Mode {
+  std::string format;  ///< four letters: MJPG, YUYV
+  PictureSize size;
+  std::vector<double> rates_hz;  ///< fastest first
+};
+
+struct V4l2Device {
+  std::string path;    ///< /dev/video0
+  std::string name;    ///< the camera's own
+  std::string driver;  ///< uvcvideo
+  std::string bus;     ///< where it is plugged in: two on one USB hub share its bandwidth
+  std::vector<V4l2Mode> modes;
+};
+
+/// The devices that deliver pictures, by number. Those that cannot be opened or deliver none (a camera's
+/// second node holds metadata alone) are left out.
+std::vector<V4l2Device> listV4l2Devices();
+
+}  // namespace airclay

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: MIT
+// Videos through OpenCV's FFmpeg backend, pictures through picture_file.
+#include "capture/images/video_reader.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <opencv2/videoio.hpp>
+
+#include "capture/images/quiet_opencv.h"
+#include "engine/core/error.h"
+
+namespace airclay {
+namespace {
+
+// Of pictures, and of a video that doesn't say: the rate of ordinary cameras.
+constexpr double kDefaultRateHz = 30;
+// Nine hours at 30 Hz: a larger number in a file's name is no frame's.
+constexpr int kMaxFrame = 1'000'000;
+
+class VideoSource : public FrameSource {
+ public:
+  VideoSource(const std::filesystem::path& file, bool unfinished) : file_(file), unfinished_(unfinished) {
+    quietOpenCv();
+    open();
+    size_ = {static_cast<int>(video_.get(cv::CAP_PROP_FRAME_WIDTH)),
+             static_cast<int>(video_.get(cv::CAP_PROP_FRAME_HEIGHT))};
+    const double rate = video_.get(cv::CAP_PROP_FPS);
+    rate_hz_ = rate > 0 && rate <= 1000 ? rate : kDefaultRateHz;
+    frame_count_ = countFrames();
+    if (frame_count_ < 1) throw Error(file_.string() + ": the video holds no frame that can be decoded");
+  }
+
+  PictureSize size() const override { return size_; }
+  int frameCount() const override { return frame_count_; }
+  double rateHz() const override { return rate_hz_; }
+
+  void read(int frame, std::span<std::uint8_t> bgr) override {
+    if (frame < next_) open();
+    for (; next_ <= frame; ++next_)
+      if (!video_.grab()) failAt(next_, frame_count_);
+    cv::Mat target(size_.height, size_.width, CV_8UC3, bgr.data());
+    cv::Mat picture = target;  // the decoder writes into it when size and type are as they should be
+    if (!video_.retrieve(picture)) failAt(frame, frame_count_);
+    if (picture.size() != target.size() || picture.type() != target.type())
+      throw Error(file_.string() + ": frame " + std::to_string(frame) + " is " +
+                  std::to_string(picture.cols) + " x " + std::to_string(picture.rows) +
+                  " pixels; one size throughout would be right");
+    if (picture.data != target.data) picture.copyTo(target);
+  }
+
+ private:
+  void open() {
+    next_ = 0;
+    if (!video_.open(file_.string(), cv::CAP_FFMPEG))
+      throw Error(file_.string() +
+                  ": the video cannot be opened (cut off, damaged or of unknown form); a whole recording "
+                  "would be right");
+  }
+
+  /// How many frames there are, by the packets in the file: the count that a container declares may be
+  /// reckoned from its duration. Where packets are fewer than that, the recording is either of variable rate
+  /// or cut off.
+  int countFrames() {
+    cv::VideoCapture undecoded(file_.string(), cv::CAP_FFMPEG, {cv::CAP_PROP_FORMAT, -1});
+    int packets = 0;
+    while (packets < kMaxFrame && undecoded.grab()) ++packets;
+    const double declared = video_.get(cv::CAP_PROP_FRAME_COUNT);
+    const bool is_known = declared >= 1 && declared < kMaxFrame;
+    if (!unfinished_ && is_known && packets < static_cast<int>(std::lround(declared)) - 1)
+      return countByTime(static_cast<int>(std::lround(declared)));
+    return packets;
+  }
+
+  /// Decodes all of it, and sees whether it lasts as long as it declares.
+  int countByTime(int declared) {
+    int count = 0, timed = 0;
+    double last_s = 0;
+    for (; count < kMaxFrame && video_.grab(); ++count) {
+      const double time_s = video_.get(cv::CAP_PROP_POS_MSEC) / 1000;
+      if (time_s > last_s) last_s = time_s, timed = count;
+    }
+    // The last frames lose their times in the decoder's queue: they are taken to come at the mean interval,
+    // as is the end of the last one. Half an interval more is what a variable rate may add.
+    const double declared_s = declared / rate_hz_, interval_s = timed > 0 ? last_s / timed : 0;
+    const double reached_s = last_s + (count - timed + 0.5) * interval_s;
+    if (reached_s < declared_s) failAt(count, declared);
+    open();
+    return count;
+  }
+
+  [[noreturn]] void failAt(int frame, int declared) const {
+    throw Error(file_.string() + ": decoding fails at frame " + std::to_string(frame) + " of the " +
+                std::to_string(declared) + " that the video declares; a whole recording would be right");
+  }
+
+  std::filesystem::path file_;
+  bool unfinished_;
+  cv::VideoCapture video_;
+  PictureSize size_;
+  double rate_hz_ = kDefaultRateHz;
+  int frame_count_ = 0;
+  int next_ = 0;  // the frame that the decoder gives next
+};
+
+class PictureSource : public FrameSource {
+ public:
+  explicit PictureSource(const std::filesystem::path& folder) : pictures_(numberedPictures(folder)) {
+    if (pictures_.empty())
+      throw Error(folder.string() +
+                  ": the folder holds no picture; 000000.png (or .jpg) and on would be right");
+    int expected = 0;
+    for (const auto& [frame, file] : pictures_) {
+      if (frame != expected)
+        throw Error(folder.string() + ": the picture of frame " + std::to_string(expected) +
+                    " is missing; numbers from 0 without a gap would be right");
+      ++expected;
+    }
+    size_ = pictureSize(pictures_.at(0));
+  }
+
+  PictureSize size() const override { return size_; }
+  int frameCount() const override { return static_cast<int>(pictures_.size()); }
+  double rateHz() const override { return kDefaultRateHz; }
+
+  void read(int frame, std::span<std::uint8_t> bgr) override {
+    readPicture(pictures_.at(frame), size_, PixelForm::kBgr8, bgr);
+  }
+
+ private:
+  std::map<int, std::filesystem::path> pictures_;
+  PictureSize size_;
+};
+
+}  // namespace
+
+std::unique_ptr<FrameSource> openFrames(const std::filesystem::path& take, const std::string& name,
+                                        bool unfinished) {
+  for (const char* extension : {".mp4", ".mkv", ".avi"}) {
+    const std::filesystem::path file = take / (name + extension);
+    if (std::filesystem::is_regular_file(file)) return std::make_unique<VideoSource>(file, unfinished);
+  }
+  const std::filesystem::path folder = take / name;
+  if (std::filesystem::is_directory(folder)) return std::make_unique<PictureSource>(folder);
+  return nullptr;
+}
+
+std::map<int, std::filesystem::path> numberedPictures(const std::filesystem::path& folder) {
+  std::map<int, std::filesystem::path> pictures;
+  for (const std::filesystem::directory_entry& entry : std::filesystem::directory_iterator(folder)) {
+    const std::string extension = entry.path().extension().string(), stem = entry.path().stem().string();
+    const bool is_picture = extension == ".png" || extension == ".jpg" || extension == ".jpeg";
+    if (!is_picture || stem.empty() || stem.find_first_not_of("0123456789") != std::string::npos) continue;
+    int frame = 0;
+    const std::from_chars_result result = std::from_chars(stem.data(), stem.data() + stem.size(), frame);
+    if (result.ec != std::errc() || frame > kMaxFrame)
+      throw Error(entry.path().string() + ": the frame's number is past " + std::to_string(kMaxFrame));
+    const auto [place, is_new] = pictures.emplace(frame, entry.path());
+    if (!is_new)
+      throw Error(entry.path().string() + ": frame " + std::to_string(frame) + " is there twice, also as " +
+                  place->second.filename().string());
+  }
+  return pictures;
+}
+
+}  // namespace airclay

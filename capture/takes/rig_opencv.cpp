@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: MIT
+// Reads intri.yml and extri.yml, intrinsics.yml and extrinsics.yml through cv::FileStorage.
+#include "capture/takes/rig_opencv.h"
+
+#include <algorithm>
+#include <opencv2/core.hpp>
+
+#include "capture/images/quiet_opencv.h"
+#include "engine/core/error.h"
+
+namespace airclay {
+namespace {
+
+constexpr std::uintmax_t kMaxFileBytes = 4 << 20;  // 32 cameras take some 20 kB
+
+class YamlFile {
+ public:
+  explicit YamlFile(const std::filesystem::path& file) : path_(file.string()) {
+    std::error_code fault;
+    const std::uintmax_t size = std::filesystem::file_size(file, fault);
+    if (fault) throw Error(path_ + ": the rig's file is missing or no readable file");
+    if (size > kMaxFileBytes) throw Error(path_ + ": it is larger than 4 MB; a rig in YAML would be right");
+    try {
+      storage_.open(path_, cv::FileStorage::READ);
+    } catch (const cv::Exception& error) {
+      std::string reason = error.err;
+      std::replace(reason.begin(), reason.end(), '\n', ' ');
+      throw Error(path_ + ": " + reason + "; OpenCV's YAML would be right");
+    }
+    if (!storage_.isOpened()) throw Error(path_ + ": it cannot be read; OpenCV's YAML would be right");
+  }
+
+  cv::FileNode operator[](const std::string& key) const { return storage_[key]; }
+  bool has(const std::string& key) const { return !storage_[key].empty(); }
+  const std::string& path() const { return path_; }
+
+  /// A matrix's values, row by row.
+  std::vector<double> matrix(const std::string& key, const std::string& right) const {
+    const std::string fault =
+        path_ + ": " + key + (has(key) ? " must be " : " is missing; it must be ") + right;
+    if (!has(key)) throw Error(fault);
+    cv::Mat values, doubles;
+    try {
+      storage_[key] >> values;
+      values.convertTo(doubles, CV_64F);
+    } catch (const cv::Exception&) {
+      throw Error(fault);
+    }
+    if (doubles.empty() || doubles.channels() != 1) throw Error(fault);
+    return std::vector<double>(doubles.begin<double>(), doubles.end<double>());
+  }
+
+ private:
+  std::string path_;
+  cv::FileStorage storage_;
+};
+
+Mat3 matrix3(const YamlFile& file, const std::string& key) {
+  const std::vector<double> values = file.matrix(key, "a 3 x 3 matrix");
+  if (values.size() != 9) throw Error(file.path() + ": " + key + " must be a 3 x 3 matrix");
+  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(values.data());
+}
+
+Vec3 vector3(const YamlFile& file, const std::string& key) {
+  const std::vector<double> values = file.matrix(key, "3 values");
+  if (values.size() != 3) throw Error(file.path() + ": " + key + " must be 3 values");
+  return {values[0], values[1], values[2]};
+}
+
+std::vector<std::string> cameraNames(const YamlFile& intri) {
+  const cv::FileNode names = intri["names"];
+  if (!names.isSeq() || names.size() == 0 || names.size() > kMaxCameras)
+    throw Error(intri.path() + ": names must list the cameras, 2 to " + std::to_string(kMaxCameras));
+  std::vector<std::string> result;
+  for (const cv::FileNode& name : names) {
+    if (!name.isString() && !name.isInt()) throw Error(intri.path() + ": names must be texts");
+    result.push_back(name.isString() ? name.string() : std::to_string(static_cast<int>(name)));
+  }
+  return result;
+}
+
+/// H_NAME or W_NAME; 0 when the file leaves it out.
+int side(const YamlFile& intri, const std::string& key) {
+  const cv::FileNode node = intri[key];
+  if (node.empty()) return 0;
+  if (!node.isInt() && !node.isReal())
+    throw Error(intri.path() + ": " + key + " must be a whole number of pixels");
+  const double value = node.real();
+  if (!(value >= kMinPictureSide && value <= kMaxPictureSide))
+    throw Error(intri.path() + ": " + key + " must be 16 to 16384 pixels");
+  return static_cast<int>(value);
+}
+
+/// The workspace, which EasyMocap does not know, where we wrote it beside the poses.
+Workspace readWorkspace(const YamlFile& extri) {
+  Workspace workspace;
+  if (extri.has("workspace_center")) workspace.center = vector3(extri, "workspace_center");
+  if (!extri.has("workspace_edge")) return workspace;
+  const cv::FileNode edge = extri["workspace_edge"];
+  if (!(edge.isInt() || edge.isReal()) || !(edge.real() > 0))
+    throw Error(extri.path() + ": workspace_edge must be a length in metres, above 0");
+  workspace.edge_m = edge.real();
+  return workspace;
+}
+
+Camera easyMocapCamera(const YamlFile& intri, const YamlFile& extri, const std::string& name, double metres) {
+  CameraEntry camera;
+  camera.name = name;
+  camera.width = side(intri, "W_" + name);
+  camera.height = side(intri, "H_" + name);
+  camera.matrix = matrix3(intri, "K_" + name);
+  const bool has_other_name = !intri.has("dist_" + name) && intri.has("D_" + name);
+  camera.distortions = intri.matrix((has_other_name ? "D_" : "dist_") + name, "4, 5 or 8 values");
+  const std::string rotation_key = (extri.has("Rot_" + name) ? "Rot_" : "R_") + name;
+  camera.rotation = extri.matrix(rotation_key, "3 values (Rodrigues) or a 3 x 3 matrix");
+  camera.translation_m = metres * vector3(extri, "T_" + name);
+  return cameraFromEntry(camera, std::filesystem::path(intri.path()).parent_path().string());
+}
+
+/// One part after the other: what is wrong with one does not hide the others.
+template <class Work>
+void keepFault(RigReading& reading, Work work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    reading.faults.push_back(faultFrom(error, reading.where));
+  }
+}
+
+RigReading readEasyMocap(const std::filesystem::path& folder, RigUnits units) {
+  const YamlFile intri(folder / "intri.yml"), extri(folder / "extri.yml");
+  const double metres = units == RigUnits::kMillimetres ? 1e-3 : 1;
+  RigReading reading;
+  reading.where = folder.string();
+  for (const std::string& name : cameraNames(intri))
+    keepFault(reading, [&] { reading.rig.cameras.push_back(easyMocapCamera(intri, extri, name, metres)); });
+  keepFault(reading, [&] { reading.rig.workspace = readWorkspace(extri); });
+  return reading;
+}
+
+/// \param extri the same file, where one holds both
+RigReading readStereo(const YamlFile& intri, const YamlFile& extri, RigUnits units) {
+  const std::filesystem::path file = intri.path(), folder = file.parent_path();
+  RigReading reading;
+  reading.where = &intri == &extri ? file.string() : folder.string();
+  if (units == RigUnits::kAsWritten)
+    reading.faults.push_back(
+        {Severity::kFault, "", "the unit of T is not written; --units m or mm would be right"});
+  const double metres = units == RigUnits::kMillimetres ? 1e-3 : 1;
+  for (const bool is_right : {false, true})
+    keepFault(reading, [&] {
+      const std::string number = is_right ? "2" : "1";
+      CameraEntry camera;
+      camera.name = is_right ? "right" : "left";
+      camera.matrix = matrix3(intri, "M" + number);
+      camera.distortions = intri.matrix("D" + number, "4, 5 or 8 values");
+      camera.rotation = is_right ? extri.matrix("R", "3 values (Rodrigues) or a 3 x 3 matrix")
+                                 : std::vector<double>{0, 0, 0};
+      if (is_right) camera.translation_m = metres * vector3(extri, "T");
+      for (const bool is_height : {false, true})
+        (is_height ? camera.height : camera.width) = side(intri, is_height ? "image_height" : "image_width");
+      reading.rig.cameras.push_back(cameraFromEntry(camera, reading.where));
+    });
+  return reading;
+}
+
+}  // namespace
+
+RigReading readOpenCvRig(const std::filesystem::path& file, RigUnits units) {
+  quietOpenCv();
+  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+  const std::string name = file.filename().string();
+  if (name == "intri.yml" || name == "extri.yml") return readEasyMocap(folder, units);
+  if (name == "intrinsics.yml" && !std::filesystem::exists(folder / "extrinsics.yml"))
+    throw Error(file.string() +
+                ": it says lenses, and no poses; extrinsics.yml with R and T beside it would be right");
+  if (name == "intrinsics.yml" || name == "extrinsics.yml")
+    return readStereo(YamlFile(folder / "intrinsics.yml"), YamlFile(folder / "extrinsics.yml"), units);
+  const YamlFile one(file);
+  if (one.has("M1")) return readStereo(one, one, units);
+  throw Error(one.path() +
+              (one.has("camera_matrix") ? ": it says one camera's lens, and no pose; "
+                                        : ": it has no key M1 of OpenCV's stereo calibration; ") +
+              "a rig of two cameras or more would be right");
+}
+
+std::optional<std::filesystem::path> rigFileIn(const std::filesystem::path& folder) {
+  // Ours first; intrinsics.yml alone is a file of lenses, so the pair's other file is looked for.
+  for (const char* name :
+       {"rig.toml", "camera_array.toml", "calibration.toml", "Calib.toml", "intri.yml", "extrinsics.yml"})
+    if (std::filesystem::exists(folder / name)) return folder / name;
+  return std::nullopt;
+}
+
+RigReading readAnyRig(const std::filesystem::path& rig, RigUnits units) {
+  std::filesystem::path file = rig;
+  if (std::filesystem::is_directory(rig)) {
+    const std::optional<std::filesystem::path> found = rigFileIn(rig);
+    if (!found)
+      throw Error(
+          rig.string() +
+          ": the folder has no rig; rig.toml, camera_array.toml, calibration.toml, Calib.toml, intri.yml "
+          "with extri.yml, or intrinsics.yml with extrinsics.yml would be right");
+    file = *found;
+  }
+  const std::string ending = file.extension().string();
+  const bool is_storage = ending == ".yml" || ending == ".yaml" || ending == ".xml" || ending == ".json";
+  return is_storage ? readOpenCvRig(file, units) : readRigWithFaults(file, units);
+}
+
+}  // namespace airclay

@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: MIT
+// Takes: which files make one, and how they must agree.
+#include "capture/takes/take.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "capture/images/video_reader.h"
+#include "capture/takes/rig_opencv.h"
+#include "capture/takes/timestamps.h"
+#include "engine/core/error.h"
+
+namespace airclay {
+
+using std::filesystem::path;
+
+struct Take::Parts {
+  path folder;
+  TakeOptions options;
+  path rig_file;
+  Rig rig;
+  std::vector<std::unique_ptr<FrameSource>> frames;  // a camera each, or none at all
+  std::vector<std::map<int, path>> masks;            // a camera each, or none at all
+  bool has_background = false;
+  std::vector<std::vector<double>> times;  // of a frame its cameras', where timestamps.csv says them
+  double seconds_per_frame = 1.0 / 30;
+  int frame_count = 0;
+  std::optional<std::vector<TimedPose>> truth;
+  std::optional<std::string> note;
+
+  void openRig();
+  void openFrames();
+  void openMasks();
+  void openBackground();
+  void fillSizes();
+  void checkSizes() const;
+  void countFrames();
+  void openTimes();
+};
+
+namespace {
+
+PictureSize sizeOf(const Camera& camera) {
+  return {camera.width, camera.height};
+}
+
+double mean(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double value : values) sum += value / static_cast<double>(values.size());
+  return sum;
+}
+
+std::string text(PictureSize size) {
+  return std::to_string(size.width) + " x " + std::to_string(size.height) + " pixels";
+}
+
+void checkBuffers(const Rig& rig, Take::Buffers buffers, size_t bytes_per_pixel) {
+  bool fits = buffers.size() == rig.cameras.size();
+  for (size_t i = 0; fits && i < buffers.size(); ++i)
+    fits = buffers[i].size() == static_cast<size_t>(rig.cameras[i].width) *
+                                    static_cast<size_t>(rig.cameras[i].height) * bytes_per_pixel;
+  if (!fits) throw std::logic_error("Take: the buffers are not of the rig's sizes");
+}
+
+void binarize(std::span<std::uint8_t> mask, const path& file) {
+  const std::uint8_t brightest = *std::max_element(mask.begin(), mask.end());
+  if (brightest == 1)
+    throw Error(file.string() + ": the mask's brightest value is 1; 255 for the object would be right");
+  for (std::uint8_t& pixel : mask) pixel = pixel >= 128 ? 255 : 0;
+}
+
+}  // namespace
+
+void Take::Parts::openRig() {
+  const std::optional<path> found = rigFileIn(folder);
+  if (!found)
+    throw Error(
+        folder.string() +
+        ": the take has no rig; rig.toml (or camera_array.toml, or intri.yml with extri.yml) would be right");
+  rig_file = *found;
+  rig = readAnyRig(rig_file, options.units).rigWithoutFaults();
+}
+
+void Take::Parts::openFrames() {
+  std::string missing;
+  for (const Camera& camera : rig.cameras) {
+    std::unique_ptr<FrameSource> source = airclay::openFrames(folder, camera.name, options.unfinished);
+    if (source)
+      frames.push_back(std::move(source));
+    else if (missing.empty())
+      missing = camera.name;
+  }
+  const bool may_lack_all = frames.empty() && std::filesystem::is_directory(folder / "silhouettes");
+  if (!missing.empty() && !may_lack_all)
+    throw Error(folder.string() + ": camera \"" + missing + "\" has no frames; " + missing +
+                ".mp4, .mkv or .avi, or pictures " + missing + "/000000.png and on, would be right");
+}
+
+void Take::Parts::openMasks() {
+  if (!std::filesystem::is_directory(folder / "silhouettes")) return;
+  for (const Camera& camera : rig.cameras) {
+    const path masks_folder = folder / "silhouettes" / camera.name;
+    if (!std::filesystem::is_directory(masks_folder))
+      throw Error(masks_folder.string() + ": camera \"" + camera.name +
+                  "\" has no masks; a folder, empty where nothing was seen, would be right");
+    masks.push_back(numberedPictures(masks_folder));
+  }
+}
+
+void Take::Parts::openBackground() {
+  has_background = !frames.empty() && std::filesystem::is_directory(folder / "background");
+  if (!has_background) return;
+  for (const Camera& camera : rig.cameras) {
+    const path file = folder / "background" / (camera.name + ".png");
+    if (!std::filesystem::exists(file))
+      throw Error(file.string() + ": camera \"" + camera.name +
+                  "\" has no background picture, others may; one for each would be right");
+    if (const PictureSize size = pictureSize(file); size != sizeOf(camera))
+      throw Error(file.string() + ": the picture is " + text(size) + "; the rig's " + text(sizeOf(camera)) +
+                  " would be right");
+  }
+}
+
+/// A rig's file need not say the pictures' sizes: then the first picture does.
+void Take::Parts::fillSizes() {
+  for (size_t i = 0; i < rig.cameras.size(); ++i) {
+    Camera& camera = rig.cameras[i];
+    if (camera.width > 0 && camera.height > 0) continue;
+    PictureSize size;
+    if (!frames.empty())
+      size = frames[i]->size();
+    else if (!masks[i].empty())
+      size = pictureSize(masks[i].begin()->second);
+    camera.width = size.width;
+    camera.height = size.height;
+  }
+  checkRig(rig, rig_file);
+}
+
+void Take::Parts::checkSizes() const {
+  for (size_t i = 0; i < frames.size(); ++i) {
+    const Camera& camera = rig.cameras[i];
+    if (frames[i]->size() != sizeOf(camera))
+      throw Error(folder.string() + ": camera \"" + camera.name + "\" recorded " + text(frames[i]->size()) +
+                  "; the rig's " + text(sizeOf(camera)) + " would be right");
+  }
+}
+
+void Take::Parts::countFrames() {
+  if (frames.empty()) {
+    for (const std::map<int, path>& of_camera : masks)
+      if (!of_camera.empty()) frame_count = std::max(frame_count, of_camera.rbegin()->first + 1);
+    if (frame_count == 0)
+      throw Error(folder.string() + ": the take is empty; frames or masks would be right");
+    return;
+  }
+  const auto shorter = [](const auto& a, const auto& b) { return a->frameCount() < b->frameCount(); };
+  const auto [shortest, longest] = std::minmax_element(frames.begin(), frames.end(), shorter);
+  frame_count = (*shortest)->frameCount();
+  if (frame_count == (*longest)->frameCount()) return;
+  const auto nameOf = [&](auto place) {
+    return rig.cameras[static_cast<size_t>(place - frames.begin())].name;
+  };
+  note = folder.string() + ": the recordings are of unequal length, stopping at the shortest: camera \"" +
+         nameOf(shortest) + "\" has " + std::to_string(frame_count) + " frames, \"" + nameOf(longest) +
+         "\" " + std::to_string((*longest)->frameCount());
+}
+
+void Take::Parts::openTimes() {
+  if (!frames.empty()) {
+    seconds_per_frame = 0;
+    for (const std::unique_ptr<FrameSource>& source : frames)
+      seconds_per_frame += 1 / source->rateHz() / static_cast<double>(frames.size());
+  }
+  const path file = folder / "timestamps.csv";
+  if (!std::filesystem::exists(file)) return;
+  std::vector<std::string> names;
+  for (const Camera& camera : rig.cameras) names.push_back(camera.name);
+  times = readFrameTimes(file, names, frame_count, options.unfinished);
+  frame_count = std::min(frame_count, static_cast<int>(times.size()));
+  if (times.size() > 1)
+    seconds_per_frame = (mean(times.back()) - mean(times.front())) / static_cast<double>(times.size() - 1);
+}
+
+Take::Take(const path& folder, const TakeOptions& options) : parts_(std::make_unique<Parts>()) {
+  if (!std::filesystem::is_directory(folder))
+    throw Error(folder.string() +
+                ": there is no such take; a folder with rig.toml and recordings would be right");
+  parts_->folder = folder;
+  parts_->options = options;
+  parts_->openRig();
+  parts_->openFrames();
+  parts_->openMasks();
+  parts_->fillSizes();
+  parts_->checkSizes();
+  parts_->openBackground();
+  parts_->countFrames();
+  parts_->frame_count = std::min(parts_->frame_count, options.most_frames);
+  parts_->openTimes();
+  const path truth = folder / "truth.tum";
+  if (std::filesystem::exists(truth)) parts_->truth = readPoses(truth);
+}
+
+Take::~Take() = default;
+Take::Take(Take&&) noexcept = default;
+Take& Take::operator=(Take&&) noexcept = default;
+
+const Rig& Take::rig() const {
+  return parts_->rig;
+}
+int Take::frameCount() const {
+  return parts_->frame_count;
+}
+double Take::rateHz() const {
+  return 1 / parts_->seconds_per_frame;
+}
+
+double Take::timeOf(int frame) const {
+  return parts_->times.empty() ? frame * parts_->seconds_per_frame
+                               : mean(parts_->times.at(static_cast<size_t>(frame)));
+}
+std::vector<double> Take::cameraTimesOf(int frame) const {
+  return parts_->times.empty() ? std::vector<double>{} : parts_->times.at(static_cast<size_t>(frame));
+}
+
+bool Take::hasPictures() const {
+  return !parts_->frames.empty();
+}
+bool Take::hasSilhouettes() const {
+  return !parts_->masks.empty();
+}
+bool Take::hasBackground() const {
+  return parts_->has_background;
+}
+
+int Take::backgroundFrames() const {
+  return hasSilhouettes() || hasBackground() ? 0 : parts_->options.background_frames;
+}
+
+bool Take::readPictures(int frame, Buffers bgr) {
+  checkBuffers(parts_->rig, bgr, 3);
+  if (frame < 0 || frame >= parts_->frame_count) return false;
+  // One camera after another: FFmpeg's own threads fill the cores already.
+  for (size_t i = 0; i < parts_->frames.size(); ++i) parts_->frames[i]->read(frame, bgr[i]);
+  return true;
+}
+
+bool Take::readSilhouettes(int frame, Buffers masks) {
+  checkBuffers(parts_->rig, masks, 1);
+  if (frame < 0 || frame >= parts_->frame_count) return false;
+  for (size_t i = 0; i < parts_->masks.size(); ++i) {
+    const auto found = parts_->masks[i].find(frame);
+    if (found == parts_->masks[i].end()) {
+      std::fill(masks[i].begin(), masks[i].end(), std::uint8_t{0});
+      continue;
+    }
+    readPicture(found->second, sizeOf(parts_->rig.cameras[i]), PixelForm::kGrey8, masks[i]);
+    binarize(masks[i], found->second);
+  }
+  return true;
+}
+
+void Take::readBackground(Buffers bgr) const {
+  checkBuffers(parts_->rig, bgr, 3);
+  for (size_t i = 0; i < parts_->rig.cameras.size(); ++i) {
+    const Camera& camera = parts_->rig.cameras[i];
+    readPicture(parts_->folder / "background" / (camera.name + ".png"), sizeOf(camera), PixelForm::kBgr8,
+                bgr[i]);
+  }
+}
+
+const std::optional<std::vector<TimedPose>>& Take::truth() const {
+  return parts_->truth;
+}
+const std::optional<std::string>& Take::note() const {
+  return parts_->note;
+}
+
+}  // namespace airclay

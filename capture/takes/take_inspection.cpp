@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: MIT
+// Opens a take camera by camera, so that what is wrong with one does not hide the others.
+#include "capture/takes/take_inspection.h"
+
+#include <algorithm>
+#include <set>
+
+#include "capture/images/video_reader.h"
+#include "engine/core/error.h"
+#include "engine/core/task.h"
+#include "engine/silhouette/silhouette.h"
+
+namespace airclay {
+namespace {
+
+using std::filesystem::path;
+using Picture = std::vector<std::uint8_t>;  // BGR
+
+// Fewer pixels are noise, or a fingertip at the picture's border.
+constexpr std::size_t kLeastSilhouette = 100;
+// Of a long recording, no more is decoded.
+constexpr int kMostFrames = 600;
+
+PictureSize sizeOf(const Camera& camera) {
+  return {camera.width, camera.height};
+}
+
+std::size_t bytesOf(const Camera& camera) {
+  return std::size_t(3) * std::size_t(camera.width) * std::size_t(camera.height);
+}
+
+std::size_t countSet(const Mask& mask) {
+  return mask.pixels.size() - std::size_t(std::count(mask.pixels.begin(), mask.pixels.end(), 0));
+}
+
+/// Silhouettes that say something: of two cameras or more.
+bool isTelling(const MaskSet& masks) {
+  return std::count_if(masks.begin(), masks.end(),
+                       [](const Mask& mask) { return countSet(mask) >= kLeastSilhouette; }) >= 2;
+}
+
+/// `count` of `all`, evenly spread, ascending.
+std::vector<int> spread(const std::vector<int>& all, int count) {
+  if (static_cast<int>(all.size()) <= count) return all;
+  std::vector<int> chosen;
+  for (int i = 0; i < count; ++i)
+    chosen.push_back(all[(std::size_t(2 * i + 1) * all.size()) / std::size_t(2 * count)]);
+  return chosen;
+}
+
+class Look {
+ public:
+  Look(const path& folder, Rig& rig, const RigTakeOptions& options)
+      : folder_(folder), rig_(rig), options_(options) {}
+
+  RigTake all() {
+    openFrames();
+    openMasks();
+    for (std::size_t i = 0; i < rig_.cameras.size(); ++i) checkSize(i);
+    if (!result_.findings.empty() || options_.instants == 0) return std::move(result_);
+    try {
+      if (!masks_.empty())
+        takeMasks();
+      else
+        segment();
+    } catch (const Error& error) {
+      result_.findings.push_back(faultFrom(error, folder_.string()));
+    }
+    return std::move(result_);
+  }
+
+ private:
+  void add(const std::string& camera, const std::string& what) {
+    result_.findings.push_back({Severity::kFault, camera, what});
+  }
+
+  void openFrames() {
+    bool has_any = false;
+    for (const Camera& camera : rig_.cameras) {
+      frames_.emplace_back();
+      try {
+        frames_.back() = airclay::openFrames(folder_, camera.name);
+        has_any = has_any || frames_.back();
+      } catch (const Error& error) {
+        add(camera.name, error.what());
+        has_any = true;
+      }
+    }
+    if (!has_any && std::filesystem::is_directory(folder_ / "silhouettes")) return;
+    for (std::size_t i = 0; i < rig_.cameras.size(); ++i) {
+      const std::string& name = rig_.cameras[i].name;
+      const bool is_said = std::any_of(result_.findings.begin(), result_.findings.end(),
+                                       [&](const RigFinding& finding) { return finding.camera == name; });
+      if (!frames_[i] && !is_said)
+        add(name, "the take has no frames of it; " + name + ".mp4, .mkv or .avi, or pictures " + name +
+                      "/000000.png and on, would be right");
+    }
+  }
+
+  void openMasks() {
+    if (!std::filesystem::is_directory(folder_ / "silhouettes")) return;
+    for (const Camera& camera : rig_.cameras) {
+      const path of_camera = folder_ / "silhouettes" / camera.name;
+      masks_.emplace_back();
+      if (std::filesystem::is_directory(of_camera))
+        masks_.back() = numberedPictures(of_camera);
+      else
+        add(camera.name, "the take has no masks of it; a folder silhouettes/" + camera.name +
+                             ", empty where nothing was seen, would be right");
+    }
+  }
+
+  void checkSize(std::size_t index) {
+    Camera& camera = rig_.cameras[index];
+    PictureSize size;
+    try {
+      if (frames_[index])
+        size = frames_[index]->size();
+      else if (!masks_.empty() && !masks_[index].empty())
+        size = pictureSize(masks_[index].begin()->second);
+    } catch (const Error& error) {
+      return add(camera.name, error.what());
+    }
+    if (size == PictureSize{}) return;
+    if (camera.width == 0 && camera.height == 0) {
+      camera.width = size.width;
+      camera.height = size.height;
+    }
+    if (size != sizeOf(camera))
+      add(camera.name, "it recorded " + std::to_string(size.width) + " x " + std::to_string(size.height) +
+                           " pixels; the rig's " + std::to_string(camera.width) + " x " +
+                           std::to_string(camera.height) + " would be right");
+  }
+
+  void takeMasks() {
+    std::set<int> numbers;
+    for (const std::map<int, path>& of_camera : masks_)
+      for (const auto& [number, file] : of_camera) numbers.insert(number);
+    for (const int number : spread({numbers.begin(), numbers.end()}, 4 * options_.instants)) {
+      MaskSet set;
+      for (std::size_t i = 0; i < rig_.cameras.size(); ++i) {
+        const Camera& camera = rig_.cameras[i];
+        Mask mask{camera.width, camera.height, Picture(bytesOf(camera) / 3)};
+        const auto found = masks_[i].find(number);
+        if (found != masks_[i].end()) {
+          readPicture(found->second, sizeOf(camera), PixelForm::kGrey8, mask.pixels);
+          for (std::uint8_t& pixel : mask.pixels) pixel = pixel >= 128 ? 255 : 0;
+        }
+        set.push_back(std::move(mask));
+      }
+      keep(std::move(set));
+    }
+  }
+
+  void keep(MaskSet set) {
+    if (static_cast<int>(result_.instants.size()) < options_.instants && isTelling(set))
+      result_.instants.push_back(std::move(set));
+  }
+
+  /// Of each camera the background's model, then the chosen frames, decoded in order.
+  void segment() {
+    int count = kMostFrames;
+    for (const auto& source : frames_) count = std::min(count, source->frameCount());
+    const bool has_background = std::filesystem::is_directory(folder_ / "background");
+    const int empty = has_background ? 0 : options_.background_frames;
+    result_.trust = has_background ? SilhouetteTrust::kKnown : SilhouetteTrust::kGuessed;
+    if (count <= empty)
+      throw Error(folder_.string() + ": it has " + std::to_string(count) + " frames, and the first " +
+                  std::to_string(empty) +
+                  " are taken to be empty; a smaller --background or pictures in background/ would be right");
+    std::vector<int> numbers;
+    for (int frame = empty; frame < count; ++frame) numbers.push_back(frame);
+    const std::vector<int> chosen = spread(numbers, 2 * options_.instants);
+    std::vector<MaskSet> sets(chosen.size());
+    for (std::size_t i = 0; i < rig_.cameras.size(); ++i) {
+      const std::vector<BackgroundPixel> background = backgroundOf(i, empty);
+      for (std::size_t k = 0; k < chosen.size(); ++k) {
+        Picture picture(bytesOf(rig_.cameras[i]));
+        frames_[i]->read(chosen[k], picture);
+        sets[k].push_back(silhouette(rig_.cameras[i], picture, background));
+        workGoesOn(double(i * chosen.size() + k + 1) / double(chosen.size() * rig_.cameras.size()));
+      }
+    }
+    for (MaskSet& set : sets) keep(std::move(set));
+  }
+
+  std::vector<BackgroundPixel> backgroundOf(std::size_t index, int empty) {
+    const Camera& camera = rig_.cameras[index];
+    std::vector<Picture> shots(std::size_t(std::max(empty, 1)), Picture(bytesOf(camera)));
+    if (empty == 0)
+      readPicture(folder_ / "background" / (camera.name + ".png"), sizeOf(camera), PixelForm::kBgr8,
+                  shots[0]);
+    for (int frame = 0; frame < empty; ++frame) frames_[index]->read(frame, shots[std::size_t(frame)]);
+    return learnBackgroundReference(shots);
+  }
+
+  static Mask silhouette(const Camera& camera, const Picture& picture,
+                         const std::vector<BackgroundPixel>& background) {
+    std::vector<double> scores(background.size());
+    for (std::size_t i = 0; i < scores.size(); ++i)
+      scores[i] = scoreReference(Vec3(picture[3 * i], picture[3 * i + 1], picture[3 * i + 2]), background[i]);
+    const Mask mask = majorityReference(edgesReference(camera.width, camera.height, scores));
+    return closeHolesReference(largestPartReference(mask), largestHole(camera.width));
+  }
+
+  const path folder_;
+  Rig& rig_;
+  const RigTakeOptions options_;
+  std::vector<std::unique_ptr<FrameSource>> frames_;  // a camera each; null where there are none
+  std::vector<std::map<int, path>> masks_;            // a camera each, or none at all
+  RigTake result_;
+};
+
+}  // namespace
+
+RigTake lookAtTake(const path& folder, Rig& rig, const RigTakeOptions& options) {
+  if (!std::filesystem::is_directory(folder))
+    throw Error(folder.string() + ": there is no such take; a folder with recordings would be right");
+  return Look(folder, rig, options).all();
+}
+
+}  // namespace airclay

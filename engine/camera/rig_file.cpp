@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: MIT
+// Rigs in TOML, as the programs out there write them:
+//   Anipose, FreeMoCap   a table a camera, [cam_0] …; [metadata]; the unit is that of the board's square
+//   Pose2Sim             a table a camera, of any name; sizes with a decimal point; [metadata]
+//   Caliscope            [cameras.0] …, always metres; before 2023 [cam_0] … in config.toml
+// What they share is read as one form: whatever table holds a `matrix` is a camera.
+#include <toml++/toml.h>
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+#include "engine/camera/rig_diagnostics.h"
+#include "engine/core/error.h"
+
+namespace airclay {
+namespace {
+
+// A rig of 32 cameras takes some 20 kB.
+constexpr std::uintmax_t kMaxFileBytes = 4 << 20;
+
+toml::table parse(const std::filesystem::path& file) {
+  std::error_code fault;
+  const std::uintmax_t size = std::filesystem::file_size(file, fault);
+  if (fault) throw Error(file.string() + ": the rig's file is missing or no readable file");
+  if (size > kMaxFileBytes)
+    throw Error(file.string() + ": it is larger than 4 MB; a rig's TOML would be right");
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw Error(file.string() + ": the rig's file cannot be opened for reading");
+  const std::string content{std::istreambuf_iterator<char>(in), {}};
+  try {
+    return toml::parse(content, file.string());
+  } catch (const toml::parse_error& error) {
+    std::ostringstream message;
+    message << file.string() << ':' << error.source().begin.line << ": " << error.description()
+            << "; a rig in TOML would be right";
+    std::string line = message.str();
+    std::replace(line.begin(), line.end(), '\n', ' ');
+    throw Error(line);
+  }
+}
+
+/// One table of the file, and how to speak of it. Every getter throws an Error that names file, table and
+/// key.
+struct Entry {
+  const toml::table& table;
+  std::string where;  // "FILE: [cam_0] "
+
+  [[noreturn]] void fail(const std::string& key, const std::string& right) const {
+    const toml::node* node = table.get(key);
+    std::string line = node ? " (line " + std::to_string(node->source().begin.line) + ")" : "";
+    throw Error(where + key + line + (node ? " must be " : " is missing; it must be ") + right);
+  }
+
+  /// Whether the key stands there with a value: some writers of TOML put the text "null" for none.
+  bool has(const std::string& key) const {
+    return table.contains(key) && table[key].value<std::string>() != "null";
+  }
+
+  /// The finite numbers of an array, flattened when it is an array of rows.
+  std::vector<double> numbers(const std::string& key, const std::string& right) const {
+    std::vector<double> values;
+    const toml::array* array = table[key].as_array();
+    if (!array) fail(key, right);
+    append(*array, values, key, right);
+    return values;
+  }
+
+  Vec3 vector(const std::string& key, const std::string& right) const {
+    const std::vector<double> values = numbers(key, right);
+    if (values.size() != 3) fail(key, right);
+    return {values[0], values[1], values[2]};
+  }
+
+ private:
+  void append(const toml::array& array, std::vector<double>& values, const std::string& key,
+              const std::string& right) const {
+    for (const toml::node& node : array) {
+      if (const toml::array* row = node.as_array(); row && &array == table[key].as_array()) {
+        append(*row, values, key, right);
+        continue;
+      }
+      const std::optional<double> value = node.is_number() ? node.value<double>() : std::nullopt;
+      if (!value || !std::isfinite(*value)) fail(key, right + ", finite numbers all");
+      values.push_back(*value);
+    }
+  }
+};
+
+bool isIgnored(const Entry& entry) {
+  return entry.table["ignore"].value_or(false);
+}
+
+/// Without a name, the table's; the videos of Caliscope are named after the camera's number.
+std::string cameraName(const Entry& entry, const std::string& fallback) {
+  if (!entry.has("name")) return fallback;
+  const std::optional<std::string> name = entry.table["name"].value<std::string>();
+  if (!name) entry.fail("name", "a text that names the camera's video");
+  return *name;
+}
+
+/// Not written, it is 0 x 0. Pose2Sim writes whole numbers with a decimal point.
+void readSize(const Entry& entry, CameraEntry& camera) {
+  if (!entry.has("size")) return;
+  const std::string form = "[width, height] in pixels, 16 to 16384 each";
+  const std::vector<double> size = entry.numbers("size", form);
+  if (size.size() != 2) entry.fail("size", form);
+  for (const double side : size)
+    if (side != std::floor(side) || side < kMinPictureSide || side > kMaxPictureSide)
+      entry.fail("size", form);
+  camera.width = static_cast<int>(size[0]);
+  camera.height = static_cast<int>(size[1]);
+}
+
+Camera readCamera(const Entry& entry, const std::string& name, double metres, const std::string& file) {
+  CameraEntry camera;
+  camera.name = cameraName(entry, name);
+  readSize(entry, camera);
+  const std::string matrix_form = "[[fx, 0, cx], [0, fy, cy], [0, 0, 1]]";
+  const std::vector<double> matrix = entry.numbers("matrix", matrix_form);
+  if (matrix.size() != 9) entry.fail("matrix", matrix_form);
+  camera.matrix = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(matrix.data());
+  if (entry.has("fisheye")) {
+    const toml::value<bool>* fisheye = entry.table["fisheye"].as_boolean();
+    if (!fisheye) entry.fail("fisheye", "true or false");
+    camera.fisheye = fisheye->get();
+  }
+  camera.distortions = entry.numbers("distortions", "4, 5 or 8 numbers in OpenCV's order (4 with fisheye)");
+  camera.rotation = entry.numbers("rotation", "3 numbers (Rodrigues) or a 3 x 3 matrix");
+  camera.translation_m = metres * entry.vector("translation", "[tx, ty, tz]");
+  return cameraFromEntry(camera, file);
+}
+
+struct NamedTable {
+  std::string name;
+  const toml::table* table;
+};
+
+/// Tables of `parent` for which `wanted` holds, in the order of the file (TOML's own is alphabetical: cam_10
+/// before cam_2).
+template <class Wanted>
+std::vector<NamedTable> tablesInOrder(const toml::table& parent, Wanted wanted) {
+  std::vector<NamedTable> found;
+  for (const auto& [key, node] : parent)
+    if (const toml::table* table = node.as_table(); table && wanted(std::string(key.str()), *table))
+      found.push_back({std::string(key.str()), table});
+  std::stable_sort(found.begin(), found.end(), [](const NamedTable& a, const NamedTable& b) {
+    const toml::source_position a_begin = a.table->source().begin, b_begin = b.table->source().begin;
+    return a_begin < b_begin;
+  });
+  return found;
+}
+
+/// Any table with a matrix is a camera's; and one named like a camera that has a pose but lost its matrix.
+bool isCamera(const std::string& name, const toml::table& table) {
+  if (name == "metadata" || name == "workspace") return false;
+  if (table.contains("matrix")) return true;
+  return name.starts_with("cam") && (table.contains("rotation") || table.contains("translation"));
+}
+
+/// Caliscope's camera_array.toml: no unit is written, it is metres.
+bool isCameraArray(const toml::table& root) {
+  const toml::table* cameras = root["cameras"].as_table();
+  return cameras && std::all_of(cameras->begin(), cameras->end(),
+                                [](const auto& item) { return item.second.is_table(); });
+}
+
+/// Reads one file; what is wrong with one of its parts does not hide the others.
+class RigReader {
+ public:
+  RigReader(const toml::table& root, const std::string& file, RigUnits units)
+      : root_(root), file_(file), units_(units) {
+    result_.where = file;
+  }
+
+  RigReading read() {
+    if (isCameraArray(root_))
+      readCameraArray();
+    else
+      readTables();
+    keepFault([&] { readWorkspace(); });
+    return std::move(result_);
+  }
+
+ private:
+  /// Does a part's work; its Error becomes a fault of the list.
+  template <class Work>
+  void keepFault(Work work) {
+    try {
+      work();
+    } catch (const Error& error) {
+      result_.faults.push_back(faultFrom(error, file_));
+    }
+  }
+
+  /// The length of one of the file's units.
+  double metresPerUnit() const {
+    if (const toml::node_view<const toml::node> written = root_["metadata"]["units"]) {
+      const std::optional<std::string> unit = written.value<std::string>();
+      if (unit == "m") return 1;
+      if (unit == "mm") return 1e-3;
+      throw Error(file_ + ": [metadata] units must be \"m\" or \"mm\"");
+    }
+    if (units_ == RigUnits::kAsWritten)
+      throw Error(file_ +
+                  ": [metadata] units is missing; units = \"m\" or \"mm\", or --units, would be right");
+    return units_ == RigUnits::kMillimetres ? 1e-3 : 1;
+  }
+
+  void add(const Entry& entry, const std::string& name, double metres) {
+    keepFault([&] { result_.rig.cameras.push_back(readCamera(entry, name, metres, file_)); });
+  }
+
+  /// A camera that Caliscope did not place has no pose, and is none of the rig's.
+  void readCameraArray() {
+    const double metres = units_ == RigUnits::kMillimetres ? 1e-3 : 1;
+    const auto any = [](const std::string&, const toml::table&) { return true; };
+    for (const auto& [key, table] : tablesInOrder(*root_["cameras"].as_table(), any)) {
+      const Entry entry{*table, file_ + ": [cameras." + key + "] "};
+      if (isIgnored(entry) || !entry.has("rotation") || !entry.has("translation")) continue;
+      const auto numbered = [&](const char* id_key, const std::string& prefix) {
+        const std::int64_t id = (*table)[id_key].value_or(std::int64_t{-1});
+        return id >= 0 ? prefix + std::to_string(id) : "";
+      };
+      std::string name = numbered("cam_id", "cam_");
+      if (name.empty()) name = numbered("port", "port_");  // as it was called until 2025
+      add(entry, name.empty() ? "cam_" + key : name, metres);
+    }
+  }
+
+  void readTables() {
+    const std::vector<NamedTable> tables = tablesInOrder(root_, isCamera);
+    if (tables.empty())
+      throw Error(file_ +
+                  ": it has no camera; a table such as [cam_0] with a matrix, a camera, would be right");
+    double metres = 1;
+    keepFault([&] { metres = metresPerUnit(); });
+    for (const auto& [key, table] : tables) {
+      const Entry entry{*table, file_ + ": [" + key + "] "};
+      if (!isIgnored(entry)) add(entry, key, metres);  // Caliscope's older form knows ignored ones, too
+    }
+  }
+
+  /// [workspace]; or within [metadata], where programs that take every other table for a camera leave it.
+  void readWorkspace() {
+    const bool in_metadata = !root_.contains("workspace");
+    const toml::node_view<const toml::node> node =
+        in_metadata ? root_["metadata"]["workspace"] : root_["workspace"];
+    if (!node) return;
+    const toml::table* table = node.as_table();
+    if (!table) throw Error(file_ + ": workspace must be a table with center and edge");
+    const Entry entry{*table, file_ + (in_metadata ? ": [metadata.workspace] " : ": [workspace] ")};
+    Workspace& workspace = result_.rig.workspace;
+    if (table->contains("center")) workspace.center = entry.vector("center", "[x, y, z] in metres");
+    if (!table->contains("edge")) return;
+    const std::optional<double> edge = (*table)["edge"].value<double>();
+    if (!edge || !(*edge > 0) || !std::isfinite(*edge)) entry.fail("edge", "a length in metres, above 0");
+    workspace.edge_m = *edge;
+  }
+
+  const toml::table& root_;
+  const std::string file_;
+  const RigUnits units_;
+  RigReading result_;
+};
+
+}  // namespace
+
+RigReading readRigWithFaults(const std::filesystem::path& file, RigUnits units) {
+  const toml::table root = parse(file);
+  return RigReader(root, file.string(), units).read();
+}
+
+Rig readRig(const std::filesystem::path& file, RigUnits units) {
+  const RigReading reading = readRigWithFaults(file, units);
+  Rig rig = reading.rigWithoutFaults();
+  checkRig(rig, file);
+  return rig;
+}
+
+}  // namespace airclay

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+#include "engine/clay/refine.h"
+
+#include <algorithm>
+
+#include "engine/core/error.h"
+
+namespace airclay {
+
+ClayState refine(const ClayState& state) {
+  const Subdivision step = subdivide(state.cage, 1, state.rule);
+  const bool all_rows = state.solve == SolveRows::kAll;
+  const std::size_t most = all_rows ? AllRowsSolver::kMaxControlPoints : kMaxStatePoints;
+  if (static_cast<std::size_t>(step.matrix.rows()) > most)
+    throw Error(
+        "refining makes " + std::to_string(step.matrix.rows()) + " control points of " +
+        std::to_string(state.cage.points.size()) + "; at most " + std::to_string(most) +
+        (all_rows ? " can be solved over all rows: the solve 'touched' takes more" : " are possible"));
+  ClayState refined;
+  refined.cage.points = dataPoints(step.matrix, state.cage.points);
+  for (const std::array<int, 4>& quad : step.quads) refined.cage.faces.emplace_back(quad.begin(), quad.end());
+  refined.rule = state.rule;
+  refined.levels = std::max(state.levels - 1, 1);
+  refined.solve = state.solve;
+  refined.workspace_from_clay = state.workspace_from_clay;
+  return refined;
+}
+
+}  // namespace airclay

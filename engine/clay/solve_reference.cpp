@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: MIT
+// Eq. (6)-(8) on the CPU in double precision: the reference of the kernel `solve`, and what `deform` runs.
+//
+// Where A is well conditioned its pseudoinverse is (AᵀA)⁻¹Aᵀ, by Cholesky. Squaring halves the digits, so
+// where it is not, A is reduced by Householder reflections, and the small triangle by its singular values.
+#include <Eigen/Cholesky>
+#include <Eigen/QR>
+#include <Eigen/SVD>
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <optional>
+
+#include "engine/clay/solve.h"
+#include "engine/core/error.h"
+#include "engine/core/task.h"
+
+namespace airclay {
+namespace {
+
+using Eigen::MatrixXd;
+using Displacements = Eigen::Matrix<double, Eigen::Dynamic, 3>;  ///< one a row, metres
+
+// Of AᵀA: its singular values are squares, so those of A lie within 1e-4 of the largest, far from
+// kSingularCutoff: nothing is to be cut, and Cholesky is good to 1e-8 before, and 1e-12 after, a step of
+// refinement.
+constexpr double kWellConditioned = 1e-8;
+
+// A larger step of refinement says that the pivots were no fair measure of the condition.
+constexpr double kSmallCorrection = 1e-6;
+
+// A dense row block of this many rows at a time bounds the memory of a long, thin factorization.
+constexpr int kBlockRows = 2048;
+
+/// The least-squares problem min |A x - b| over fewer rows: A's triangle and b turned alike.
+struct ReducedRows {
+  MatrixXd triangle;    ///< min(m, n) x n
+  MatrixXd right_side;  ///< as many rows, empty without b
+};
+
+/// Householder reflections, row block by row block.
+ReducedRows reduceRows(const StencilMatrix& matrix, const MatrixXd& right_side) {
+  const Eigen::Index n = matrix.cols(), k = right_side.cols();
+  MatrixXd reduced(0, n + k);  // [R, Qᵀb] of the rows so far
+  for (Eigen::Index first = 0; first < matrix.rows(); first += kBlockRows) {
+    const Eigen::Index count = std::min<Eigen::Index>(kBlockRows, matrix.rows() - first);
+    MatrixXd stacked(reduced.rows() + count, n + k);
+    stacked.topRows(reduced.rows()) = reduced;
+    stacked.bottomRows(count).leftCols(n) = MatrixXd(matrix.middleRows(first, count));
+    stacked.bottomRows(count).rightCols(k) = right_side.middleRows(first, count);
+    const Eigen::Index kept = std::min(stacked.rows(), n);
+    MatrixXd left = stacked.leftCols(n);
+    const Eigen::HouseholderQR<Eigen::Ref<MatrixXd>> qr(left);
+    reduced.resize(kept, n + k);
+    reduced.leftCols(n) = qr.matrixQR().topRows(kept).triangularView<Eigen::Upper>();
+    reduced.rightCols(k) = (qr.householderQ().adjoint() * stacked.rightCols(k)).topRows(kept);
+  }
+  return {reduced.leftCols(n), reduced.rightCols(k)};
+}
+
+Eigen::BDCSVD<MatrixXd> singularValues(const MatrixXd& matrix) {
+  Eigen::BDCSVD<MatrixXd> svd(matrix, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  if (svd.info() != Eigen::Success)
+    throw Error("the solve's singular values did not converge; is a control point NaN?");
+  svd.setThreshold(kSingularCutoff);  // of the largest, also where rank() is asked
+  return svd;
+}
+
+/// Eq. (6) in displacements: d_new - d of the moved rows.
+Displacements moveDisplacements(const StencilMatrix& matrix, const std::vector<Vec3>& control_points,
+                                const std::vector<Move>& moves) {
+  Displacements displacements(Eigen::Index(moves.size()), 3);
+  for (size_t i = 0; i < moves.size(); ++i) {
+    Vec3 data_point = Vec3::Zero();
+    for (StencilMatrix::InnerIterator entry(matrix, moves[i].index); entry; ++entry)
+      data_point += entry.value() * control_points[size_t(entry.col())];  // (5)
+    displacements.row(Eigen::Index(i)) = (moves[i].target - data_point).transpose();
+  }
+  return displacements;
+}
+
+/// A⁺ b as (AᵀA)⁻¹Aᵀ b or, of fewer rows than columns, eq. (7) as printed, Aᵀ(AAᵀ)⁻¹ b; none where either
+/// would lose digits.
+std::optional<Displacements> solveNormalEquations(const StencilMatrix& matrix,
+                                                  const Displacements& right_side) {
+  const StencilMatrix transposed = matrix.transpose();
+  const bool wide = matrix.rows() < matrix.cols();
+  const Eigen::SparseMatrix<double> gram = wide ? matrix * transposed : transposed * matrix;
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(gram);
+  if (factor.info() != Eigen::Success) return std::nullopt;
+  const Eigen::VectorXd pivots = factor.vectorD();
+  if (!(pivots.minCoeff() > kWellConditioned * pivots.maxCoeff())) return std::nullopt;
+  const auto solve = [&](const Displacements& b) -> Displacements {
+    if (wide) return transposed * Displacements(factor.solve(b));
+    return factor.solve(Displacements(transposed * b));
+  };
+  const Displacements solution = solve(right_side);
+  const Displacements correction = solve(right_side - matrix * solution);  // through A itself, not its square
+  if (!(correction.norm() <= kSmallCorrection * solution.norm())) return std::nullopt;
+  return Displacements(solution + correction);
+}
+
+/// A⁺ b, exact Moore-Penrose: the smallest x among those that fit best, singular values cut at
+/// kSingularCutoff.
+Displacements pseudoinverseTimes(const StencilMatrix& matrix, const Displacements& right_side) {
+  if (const auto solution = solveNormalEquations(matrix, right_side)) return *solution;
+  if (matrix.cols() > AllRowsSolver::kMaxControlPoints)
+    throw Error("the moves' solve is ill-conditioned over " + std::to_string(matrix.cols()) +
+                " control points; such a one takes up to " +
+                std::to_string(AllRowsSolver::kMaxControlPoints));
+  const ReducedRows reduced = reduceRows(matrix, right_side);
+  return singularValues(reduced.triangle).solve(reduced.right_side);
+}
+
+/// The moved rows of A over the control points that they depend on: the others don't move.
+struct TouchedRows {
+  std::vector<int> columns;  ///< control points, ascending
+  StencilMatrix matrix;      ///< rows by columns
+};
+
+TouchedRows touchedRows(const StencilMatrix& matrix, const std::vector<int>& rows) {
+  TouchedRows touched;
+  for (const int row : rows)
+    for (StencilMatrix::InnerIterator entry(matrix, row); entry; ++entry)
+      touched.columns.push_back(int(entry.col()));
+  std::sort(touched.columns.begin(), touched.columns.end());
+  touched.columns.erase(std::unique(touched.columns.begin(), touched.columns.end()), touched.columns.end());
+
+  std::vector<Eigen::Triplet<double>> weights;
+  for (size_t i = 0; i < rows.size(); ++i)
+    for (StencilMatrix::InnerIterator entry(matrix, rows[i]); entry; ++entry) {
+      const auto column = std::lower_bound(touched.columns.begin(), touched.columns.end(), int(entry.col()));
+      weights.emplace_back(int(i), int(column - touched.columns.begin()), entry.value());
+    }
+  touched.matrix.resize(Eigen::Index(rows.size()), Eigen::Index(touched.columns.size()));
+  touched.matrix.setFromTriplets(weights.begin(), weights.end());
+  return touched;
+}
+
+void checkMoves(const StencilMatrix& matrix, const std::vector<Move>& moves) {
+  std::vector<int> indices;
+  for (const Move& move : moves) indices.push_back(move.index);
+  std::sort(indices.begin(), indices.end());
+  if (!indices.empty() && (indices.front() < 0 || indices.back() >= matrix.rows()))
+    throw Error("a move's data point is out of range; there are 0 to " + std::to_string(matrix.rows() - 1));
+  if (const auto twice = std::adjacent_find(indices.begin(), indices.end()); twice != indices.end())
+    throw Error("data point " + std::to_string(*twice) + " is moved twice; each may move once");
+}
+
+}  // namespace
+
+std::vector<Vec3> solveControlPoints(const StencilMatrix& matrix, const std::vector<Vec3>& control_points,
+                                     const std::vector<Move>& moves, SolveRows rows, double damping) {
+  checkMoves(matrix, moves);
+  std::vector<Vec3> solved = control_points;
+  if (moves.empty()) return solved;
+  const Displacements wanted = moveDisplacements(matrix, control_points, moves);
+  if (rows == SolveRows::kAll) {
+    if (damping > 0) throw Error("the solve over all rows takes no damping; solve the touched rows");
+    Displacements all_wanted = Displacements::Zero(matrix.rows(), 3);  // those not moved are to stay
+    for (size_t i = 0; i < moves.size(); ++i) all_wanted.row(moves[i].index) = wanted.row(Eigen::Index(i));
+    const Displacements moved = pseudoinverseTimes(matrix, all_wanted);
+    for (size_t i = 0; i < solved.size(); ++i) solved[i] += moved.row(Eigen::Index(i)).transpose();
+    return solved;
+  }
+  std::vector<int> moved_rows;
+  for (const Move& move : moves) moved_rows.push_back(move.index);
+  if (damping > 0) {
+    std::vector<Vec3> displacements;
+    for (Eigen::Index i = 0; i < wanted.rows(); ++i) displacements.push_back(wanted.row(i).transpose());
+    const TouchedRowsSolver solver(matrix, moved_rows, damping);
+    const std::vector<Vec3> moved = solver.controlDisplacements(displacements);
+    for (size_t i = 0; i < solved.size(); ++i) solved[i] += moved[i];
+    return solved;
+  }
+  const TouchedRows touched = touchedRows(matrix, moved_rows);
+  const Displacements moved = pseudoinverseTimes(touched.matrix, wanted);
+  for (size_t i = 0; i < touched.columns.size(); ++i)
+    solved[size_t(touched.columns[i])] += moved.row(Eigen::Index(i)).transpose();
+  return solved;
+}
+
+TouchedRowsSolver::TouchedRowsSolver(const StencilMatrix& matrix, const std::vector<int>& rows,
+                                     double damping)
+    : control_point_count_(int(matrix.cols())), rows_(rows) {
+  TouchedRows touched = touchedRows(matrix, rows);
+  columns_ = std::move(touched.columns);
+  touched_ = std::move(touched.matrix);
+  more_rows_ = touched_.rows() > touched_.cols();
+  if (const Eigen::Index size = std::min(touched_.rows(), touched_.cols());
+      size > AllRowsSolver::kMaxControlPoints)
+    throw Error("the damped solve over " + std::to_string(size) +
+                " control points is too large; it takes up to " +
+                std::to_string(AllRowsSolver::kMaxControlPoints));
+  // (AᵀA + λ²I)⁻¹Aᵀ b = Aᵀ(AAᵀ + λ²I)⁻¹ b: whichever matrix is smaller
+  const StencilMatrix transposed = touched_.transpose();
+  MatrixXd gram = more_rows_ ? MatrixXd(StencilMatrix(transposed * touched_))
+                             : MatrixXd(StencilMatrix(touched_ * transposed));
+  gram.diagonal().array() += damping * damping;
+  factor_.compute(gram);
+}
+
+std::vector<Vec3> TouchedRowsSolver::controlDisplacements(const std::vector<Vec3>& row_displacements) const {
+  Displacements wanted(touched_.rows(), 3);
+  for (size_t i = 0; i < row_displacements.size(); ++i)
+    wanted.row(Eigen::Index(i)) = row_displacements[i].transpose();
+  const MatrixXd moved = more_rows_ ? MatrixXd(factor_.solve(MatrixXd(touched_.transpose() * wanted)))
+                                    : MatrixXd(touched_.transpose() * MatrixXd(factor_.solve(wanted)));
+  std::vector<Vec3> displacements(size_t(control_point_count_), Vec3::Zero());
+  for (size_t i = 0; i < columns_.size(); ++i)
+    displacements[size_t(columns_[i])] = moved.row(Eigen::Index(i)).transpose();
+  return displacements;
+}
+
+AllRowsSolver::AllRowsSolver(const StencilMatrix& matrix) {
+  if (matrix.cols() > kMaxControlPoints)
+    throw Error("a cage of " + std::to_string(matrix.cols()) +
+                " control points is too large to sculpt; it can have up to " +
+                std::to_string(kMaxControlPoints));
+  workGoesOn(0.0);
+  const StencilMatrix transposed = matrix.transpose();
+  const Eigen::LLT<MatrixXd> factor{MatrixXd(StencilMatrix(transposed * matrix))};
+  if (factor.info() == Eigen::Success && factor.rcond() > kWellConditioned) {
+    workGoesOn(0.3);  // two thirds of n^3 are the inverse
+    gram_inverse_ = factor.solve(MatrixXd::Identity(matrix.cols(), matrix.cols()));
+  } else {
+    // (AᵀA)⁺ = V Σ⁺² Vᵀ, from the singular values of A itself.
+    const auto svd = singularValues(reduceRows(matrix, MatrixXd(matrix.rows(), 0)).triangle);
+    const MatrixXd scaled = svd.matrixV().leftCols(svd.rank()) *
+                            svd.singularValues().head(svd.rank()).cwiseInverse().asDiagonal();
+    gram_inverse_ = scaled * scaled.transpose();
+  }
+  gram_inverse_ = (0.5 * (gram_inverse_ + gram_inverse_.transpose())).eval();  // to the last bit
+}
+
+std::vector<Vec3> AllRowsSolver::controlDisplacements(const StencilMatrix& matrix,
+                                                      const std::vector<Vec3>& data_displacements) const {
+  Displacements projected = Displacements::Zero(matrix.cols(), 3);  // Aᵀ (d_new - d)
+  for (int row = 0; row < matrix.outerSize(); ++row)
+    for (StencilMatrix::InnerIterator entry(matrix, row); entry; ++entry)
+      projected.row(entry.col()) += entry.value() * data_displacements[size_t(row)].transpose();
+  const Displacements moved = gram_inverse_ * projected;  // (7)
+  std::vector<Vec3> displacements(size_t(matrix.cols()));
+  for (size_t i = 0; i < displacements.size(); ++i) displacements[i] = moved.row(Eigen::Index(i)).transpose();
+  return displacements;
+}
+
+}  // namespace airclay

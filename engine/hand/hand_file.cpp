@@ -1,0 +1,419 @@
+// SPDX-License-Identifier: MIT
+// Reads a skinned glTF binary with WebXR joint names as a hand model.
+// Numbers in brackets refer to the glTF 2.0 specification,
+// https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <map>
+
+#include "engine/core/error.h"
+#include "engine/hand/hand_model.h"
+
+#define TINYGLTF_NO_STB_IMAGE  // textures are of no use here
+#define TINYGLTF_NO_STB_IMAGE_WRITE
+#include <tiny_gltf.h>
+
+namespace airclay {
+namespace {
+
+constexpr std::uintmax_t kMaxFileBytes =
+    64u << 20;  // a rigged hand of 100,000 triangles has 5 MB without its pictures
+constexpr size_t kMaxTriangles = 1'000'000;
+constexpr double kMaxCoordinate = 1e6;  // beyond this a file is damaged; it also keeps products finite
+constexpr double kMinVolume = 1e-18;    // m³: a cube of a micrometre; less is flat
+
+using Accessor = tinygltf::Accessor;
+
+/// A file being read: what every step needs, and how it fails.
+struct File {
+  std::filesystem::path path;
+  tinygltf::Model model;
+
+  [[noreturn]] void fail(const std::string& what) const {
+    throw Error("hand " + path.string() + ": " + what);
+  }
+};
+
+bool skipImage(tinygltf::Image*, const int, std::string*, std::string*, int, int, const unsigned char*, int,
+               void*) {
+  return true;
+}
+
+/// A glTF binary holds its buffers: other files are not opened, so that their size cannot matter.
+tinygltf::FsCallbacks noFiles() {
+  tinygltf::FsCallbacks callbacks{};
+  callbacks.FileExists = [](const std::string&, void*) { return false; };
+  callbacks.ExpandFilePath = [](const std::string& name, void*) { return name; };
+  callbacks.ReadWholeFile = [](std::vector<unsigned char>*, std::string* error, const std::string& name,
+                               void*) {
+    *error += "the buffer " + name + " lies outside the file; export one glTF binary";
+    return false;
+  };
+  callbacks.WriteWholeFile = [](std::string*, const std::string&, const std::vector<unsigned char>&, void*) {
+    return false;
+  };
+  return callbacks;
+}
+
+std::vector<unsigned char> readBytes(const File& file) {
+  std::error_code status;
+  if (!std::filesystem::is_regular_file(file.path, status))
+    file.fail("no such file; give right, left or a .glb file");
+  const std::uintmax_t size = std::filesystem::file_size(file.path, status);
+  if (status) file.fail("cannot be read: " + status.message());
+  if (size > kMaxFileBytes)
+    file.fail(std::to_string(size >> 20) + " MB; a hand model has at most " +
+              std::to_string(kMaxFileBytes >> 20));
+  std::vector<unsigned char> bytes(size);
+  std::ifstream stream(file.path, std::ios::binary);
+  if (!stream.read(reinterpret_cast<char*>(bytes.data()), std::streamsize(size))) file.fail("cannot be read");
+  if (size < 20 || std::memcmp(bytes.data(), "glTF", 4) != 0)
+    file.fail("not a glTF binary (it does not begin with glTF); export the hand as .glb");
+  return bytes;
+}
+
+void parse(File& file) {
+  const std::vector<unsigned char> bytes = readBytes(file);
+  tinygltf::TinyGLTF reader;
+  reader.SetImageLoader(skipImage, nullptr);
+  reader.SetFsCallbacks(noFiles());
+  std::string error, warning;
+  bool read = false;
+  try {
+    read = reader.LoadBinaryFromMemory(&file.model, &error, &warning, bytes.data(), unsigned(bytes.size()));
+  } catch (const std::exception& fault) {
+    error = fault.what();
+  }
+  if (read) return;
+  std::replace(error.begin(), error.end(), '\n', ' ');
+  while (!error.empty() && error.back() == ' ') error.pop_back();
+  file.fail("damaged glTF binary: " + (error.empty() ? "unreadable" : error));
+}
+
+/// Elements of an accessor as numbers, every range checked at construction [3.6.2].
+class Elements {
+ public:
+  Elements(const File& file, int accessor, int type, const std::string& what) {
+    const tinygltf::Model& model = file.model;
+    if (accessor < 0 || size_t(accessor) >= model.accessors.size()) file.fail(what + ": no such accessor");
+    accessor_ = &model.accessors[accessor];
+    if (accessor_->sparse.isSparse) file.fail(what + ": a sparse accessor; export without sparse data");
+    if (accessor_->type != type) file.fail(what + ": an accessor of the wrong type");
+    if (accessor_->bufferView < 0 || size_t(accessor_->bufferView) >= model.bufferViews.size())
+      file.fail(what + ": no plain data; export without compression");
+    const tinygltf::BufferView& view = model.bufferViews[accessor_->bufferView];
+    if (view.buffer < 0 || size_t(view.buffer) >= model.buffers.size()) file.fail(what + ": no such buffer");
+    const std::vector<unsigned char>& data = model.buffers[view.buffer].data;
+    components_ = size_t(tinygltf::GetNumComponentsInType(uint32_t(type)));
+    const int component_bytes = tinygltf::GetComponentSizeInBytes(uint32_t(accessor_->componentType));
+    const int stride = accessor_->ByteStride(view);
+    if (component_bytes <= 0 || stride <= 0) file.fail(what + ": an accessor of an unknown layout");
+    component_bytes_ = size_t(component_bytes), stride_ = size_t(stride);
+    const bool view_fits = view.byteOffset <= data.size() && view.byteLength <= data.size() - view.byteOffset;
+    const size_t element_bytes = components_ * component_bytes_;
+    if (!view_fits || accessor_->count == 0 || accessor_->byteOffset > view.byteLength ||
+        element_bytes > view.byteLength - accessor_->byteOffset || stride_ < element_bytes ||
+        accessor_->count - 1 > (view.byteLength - accessor_->byteOffset - element_bytes) / stride_)
+      file.fail(what + ": the accessor reaches past its buffer, or is empty");
+    first_ = data.data() + view.byteOffset + accessor_->byteOffset;
+  }
+
+  size_t size() const { return accessor_->count; }
+  int componentType() const { return accessor_->componentType; }
+
+  /// Component `c` of element `i`; normalized integers as [3.6.2.2] says.
+  double at(size_t i, size_t c = 0) const {
+    const unsigned char* bytes = first_ + i * stride_ + c * component_bytes_;
+    switch (accessor_->componentType) {
+      case TINYGLTF_COMPONENT_TYPE_FLOAT:
+        return read<float>(bytes);
+      case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+        return read<std::uint8_t>(bytes) / scale(255);
+      case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+        return read<std::uint16_t>(bytes) / scale(65535);
+      case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+        return read<std::uint32_t>(bytes);
+      default:
+        return std::nan("");
+    }
+  }
+
+ private:
+  template <typename T>
+  static double read(const unsigned char* bytes) {
+    T value;
+    std::memcpy(&value, bytes, sizeof value);
+    return double(value);
+  }
+  double scale(double largest) const { return accessor_->normalized ? largest : 1; }
+
+  const Accessor* accessor_ = nullptr;
+  const unsigned char* first_ = nullptr;
+  size_t components_ = 0, component_bytes_ = 0, stride_ = 0;
+};
+
+Eigen::Affine3d localTransform(const tinygltf::Node& node) {
+  Eigen::Affine3d transform = Eigen::Affine3d::Identity();
+  if (node.matrix.size() == 16) {
+    transform.matrix() =
+        Eigen::Map<const Eigen::Matrix4d>(node.matrix.data());  // column by column, as Eigen's
+    return transform;
+  }
+  if (node.translation.size() == 3) transform.translate(Eigen::Map<const Vec3>(node.translation.data()));
+  if (node.rotation.size() == 4) {
+    const std::vector<double>& q = node.rotation;  // x y z w
+    transform.rotate(Eigen::Quaterniond(q[3], q[0], q[1], q[2]).normalized());
+  }
+  if (node.scale.size() == 3) transform.scale(Eigen::Map<const Vec3>(node.scale.data()));
+  return transform;
+}
+
+std::vector<int> nodeParents(const File& file) {
+  const std::vector<tinygltf::Node>& nodes = file.model.nodes;
+  std::vector<int> parents(nodes.size(), -1);
+  for (size_t n = 0; n < nodes.size(); ++n) {
+    for (const int child : nodes[n].children) {
+      if (child < 0 || size_t(child) >= nodes.size())
+        file.fail("node " + std::to_string(n) + ": no such child");
+      if (parents[child] >= 0) file.fail("node " + std::to_string(child) + ": two parents");
+      parents[child] = int(n);
+    }
+  }
+  return parents;
+}
+
+/// Where a node stands in the scene [3.5.2].
+Eigen::Affine3d sceneFromNode(const File& file, const std::vector<int>& parents, int node) {
+  Eigen::Affine3d scene_from_node = Eigen::Affine3d::Identity();
+  size_t steps = 0;
+  for (int n = node; n >= 0; n = parents[n]) {
+    if (++steps > parents.size()) file.fail("node " + std::to_string(node) + ": among its own ancestors");
+    scene_from_node = localTransform(file.model.nodes[n]) * scene_from_node;
+  }
+  if (!scene_from_node.matrix().allFinite() ||
+      scene_from_node.matrix().cwiseAbs().maxCoeff() > kMaxCoordinate)
+    file.fail("node " + std::to_string(node) + ": a transform that is not finite");
+  return scene_from_node;
+}
+
+/// The skin's joints: which of kJointNames each one moves with, and how it carries vertices.
+struct FileSkin {
+  int index = -1;
+  std::vector<int> hand_joints;                   // by the skin's order
+  std::vector<Eigen::Affine3d> scene_from_bound;  // joint_world * inverse_bind
+  std::array<int, 25> nodes{};                    // by kJointNames' order
+};
+
+int jointByName(const std::string& name) {
+  const auto found = std::find(kJointNames.begin(), kJointNames.end(), name);
+  return found == kJointNames.end() ? -1 : int(found - kJointNames.begin());
+}
+
+/// The first skin that has the wrist, or else the first; its joints must bear all 25 names.
+FileSkin findSkin(const File& file, const std::vector<int>& parents) {
+  const tinygltf::Model& model = file.model;
+  if (model.skins.empty()) file.fail("no skin; export the hand with its armature");
+  for (const tinygltf::Skin& skin : model.skins)
+    for (const int node : skin.joints)
+      if (node < 0 || size_t(node) >= model.nodes.size()) file.fail("a skin's joint is no node");
+  const auto has_wrist = [&](const tinygltf::Skin& skin) {
+    return std::any_of(skin.joints.begin(), skin.joints.end(),
+                       [&](int node) { return model.nodes[node].name == kJointNames[0]; });
+  };
+  const auto chosen = std::find_if(model.skins.begin(), model.skins.end(), has_wrist);
+  const tinygltf::Skin& skin = chosen == model.skins.end() ? model.skins.front() : *chosen;
+
+  FileSkin result;
+  result.index = int(&skin - model.skins.data());
+  result.nodes.fill(-1);
+  for (const int node : skin.joints) {
+    const int joint = jointByName(model.nodes[node].name);
+    if (joint < 0) continue;
+    if (result.nodes[joint] >= 0) file.fail("two joints are named " + model.nodes[node].name);
+    result.nodes[joint] = node;
+  }
+  for (size_t j = 0; j < kJointNames.size(); ++j)
+    if (result.nodes[j] < 0) file.fail("the skin lacks the joint " + std::string(kJointNames[j]));
+
+  const bool bound = skin.inverseBindMatrices >= 0;
+  std::vector<Elements> inverse_bind;
+  if (bound)
+    inverse_bind.emplace_back(file, skin.inverseBindMatrices, TINYGLTF_TYPE_MAT4, "inverseBindMatrices");
+  if (bound && inverse_bind[0].size() < skin.joints.size())
+    file.fail("fewer inverseBindMatrices than joints");
+  for (size_t i = 0; i < skin.joints.size(); ++i) {
+    Eigen::Affine3d joint_from_bound = Eigen::Affine3d::Identity();
+    for (int k = 0; bound && k < 16; ++k) joint_from_bound.matrix()(k % 4, k / 4) = inverse_bind[0].at(i, k);
+    if (!joint_from_bound.matrix().allFinite() ||
+        joint_from_bound.matrix().cwiseAbs().maxCoeff() > kMaxCoordinate)
+      file.fail("inverseBindMatrices: not finite");
+    result.scene_from_bound.push_back(sceneFromNode(file, parents, skin.joints[i]) * joint_from_bound);
+    // A joint that the standard doesn't know (a twist bone, a palm) moves with the nearest one above that it
+    // knows.
+    int node = skin.joints[i];
+    while (node >= 0 && jointByName(model.nodes[node].name) < 0) node = parents[node];
+    result.hand_joints.push_back(node < 0 ? 0 : jointByName(model.nodes[node].name));
+  }
+  return result;
+}
+
+std::vector<Joint> readSkeleton(const File& file, const std::vector<int>& parents, const FileSkin& skin) {
+  std::vector<Joint> joints;
+  for (size_t j = 0; j < kJointNames.size(); ++j) {
+    const Eigen::Affine3d scene_from_joint = sceneFromNode(file, parents, skin.nodes[j]);
+    if (std::abs(scene_from_joint.linear().determinant()) < kMinVolume)
+      file.fail("joint " + std::string(kJointNames[j]) + ": a transform without an inverse");
+    Joint joint{kJointNames[j], standardParent(int(j)), Pose::Identity()};
+    joint.hand_from_joint_rest.linear() = scene_from_joint.rotation();  // scale dropped
+    joint.hand_from_joint_rest.translation() = scene_from_joint.translation();
+    joints.push_back(joint);
+  }
+  return joints;
+}
+
+/// Adds primitives to a hand; vertices at the same place in the file become one, or seams of the texture
+/// would be cuts in the skin.
+class SkinBuilder {
+ public:
+  SkinBuilder(const File& file, const FileSkin& skin, HandModel& hand)
+      : file_(file), skin_(skin), hand_(hand) {}
+
+  void add(const tinygltf::Primitive& primitive) {
+    if (primitive.mode != -1 && primitive.mode != TINYGLTF_MODE_TRIANGLES)
+      file_.fail("a primitive of points, lines or strips; export triangles");
+    const Elements positions(file_, attribute(primitive, "POSITION"), TINYGLTF_TYPE_VEC3, "POSITION");
+    if (positions.componentType() != TINYGLTF_COMPONENT_TYPE_FLOAT) file_.fail("POSITION: not of floats");
+    if (positions.size() > 3 * kMaxTriangles) file_.fail("more than 3 million vertices");
+    const std::vector<int> vertices = addVertices(primitive, positions);
+    if (primitive.indices < 0) {
+      addTriangles(vertices, positions.size(), [](size_t i) { return double(i); });
+    } else {
+      const Elements indices(file_, primitive.indices, TINYGLTF_TYPE_SCALAR, "indices");
+      if (indices.componentType() == TINYGLTF_COMPONENT_TYPE_FLOAT) file_.fail("indices: not of integers");
+      addTriangles(vertices, indices.size(), [&](size_t i) { return indices.at(i); });
+    }
+  }
+
+ private:
+  static int attribute(const tinygltf::Primitive& primitive, const std::string& name) {
+    const auto found = primitive.attributes.find(name);
+    return found == primitive.attributes.end() ? -1 : found->second;
+  }
+
+  std::vector<int> addVertices(const tinygltf::Primitive& primitive, const Elements& positions) {
+    std::vector<Elements> joints, weights;  // JOINTS_0, WEIGHTS_0; more where a vertex has more than four
+    for (int set = 0; set == 0 || attribute(primitive, "JOINTS_" + std::to_string(set)) >= 0; ++set) {
+      const std::string joints_name = "JOINTS_" + std::to_string(set),
+                        weights_name = "WEIGHTS_" + std::to_string(set);
+      joints.emplace_back(file_, attribute(primitive, joints_name), TINYGLTF_TYPE_VEC4, joints_name);
+      weights.emplace_back(file_, attribute(primitive, weights_name), TINYGLTF_TYPE_VEC4, weights_name);
+      if (joints.back().size() < positions.size() || weights.back().size() < positions.size())
+        file_.fail(joints_name + ", " + weights_name + ": fewer than vertices");
+    }
+    std::vector<int> vertices(positions.size());
+    for (size_t v = 0; v < positions.size(); ++v) {
+      const Vec3 bound(positions.at(v, 0), positions.at(v, 1), positions.at(v, 2));
+      if (!bound.allFinite() || bound.cwiseAbs().maxCoeff() > kMaxCoordinate)
+        file_.fail("POSITION: vertex " + std::to_string(v) + " is not finite");
+      // Adding 0 makes a negative zero positive.
+      const auto [known, is_new] = by_position_.try_emplace({bound.x() + 0., bound.y() + 0., bound.z() + 0.},
+                                                            int(hand_.weights.size()));
+      if (is_new) addVertex(v, bound, joints, weights);
+      vertices[v] = known->second;
+    }
+    return vertices;
+  }
+
+  void addVertex(size_t v, const Vec3& bound, const std::vector<Elements>& joints,
+                 const std::vector<Elements>& weights) {
+    Vec3 sum = Vec3::Zero();
+    double total = 0;
+    std::map<int, double> held;  // by kJointNames' order
+    for (size_t i = 0; i < 4 * joints.size(); ++i) {
+      const double joint = joints[i / 4].at(v, i % 4), weight = weights[i / 4].at(v, i % 4);
+      if (!(weight >= 0 && weight <= 1.001))
+        file_.fail("vertex " + std::to_string(v) + ": a weight outside 0 to 1");
+      if (weight == 0) continue;
+      if (!(joint >= 0 && joint < double(skin_.hand_joints.size())))
+        file_.fail("vertex " + std::to_string(v) + ": joint index out of range; the skin has " +
+                   std::to_string(skin_.hand_joints.size()) + " joints");
+      sum += weight * (skin_.scene_from_bound[size_t(joint)] * bound);
+      held[skin_.hand_joints[size_t(joint)]] += weight;
+      total += weight;
+    }
+    if (total < 1e-6) file_.fail("vertex " + std::to_string(v) + ": no weight");
+    hand_.skin.vertices.push_back(sum / total);
+    hand_.weights.push_back(strongestFour(held));
+  }
+
+  static SkinWeights strongestFour(const std::map<int, double>& held) {
+    std::vector<std::pair<int, double>> sorted(held.begin(), held.end());
+    std::stable_sort(sorted.begin(), sorted.end(), [](auto& a, auto& b) { return a.second > b.second; });
+    sorted.resize(std::min<size_t>(sorted.size(), 4));
+    SkinWeights result;
+    double total = 0;
+    for (const auto& [joint, weight] : sorted) total += weight;
+    for (size_t i = 0; i < sorted.size(); ++i) {
+      result.joints[i] = sorted[i].first;
+      result.weights[i] = sorted[i].second / total;
+    }
+    return result;
+  }
+
+  template <typename IndexAt>
+  void addTriangles(const std::vector<int>& vertices, size_t corners, IndexAt index_at) {
+    if (corners % 3 != 0) file_.fail("a number of indices that three does not divide");
+    if (hand_.skin.triangles.size() + corners / 3 > kMaxTriangles)
+      file_.fail("more than a million triangles");
+    for (size_t i = 0; i < corners; i += 3) {
+      std::array<int, 3> triangle{};
+      for (size_t k = 0; k < 3; ++k) {
+        const double index = index_at(i + k);
+        if (!(index >= 0 && index < double(vertices.size())))
+          file_.fail("index " + std::to_string((long long)index) + " out of range; the primitive has " +
+                     std::to_string(vertices.size()) + " vertices");
+        triangle[k] = vertices[size_t(index)];
+      }
+      if (triangle[0] != triangle[1] && triangle[1] != triangle[2] && triangle[2] != triangle[0])
+        hand_.skin.triangles.push_back(triangle);
+    }
+  }
+
+  const File& file_;
+  const FileSkin& skin_;
+  HandModel& hand_;
+  std::map<std::array<double, 3>, int> by_position_;
+};
+
+}  // namespace
+
+HandModel readHandModel(const std::filesystem::path& path) {
+  File file{path, {}};
+  parse(file);
+  const std::vector<int> parents = nodeParents(file);
+  const FileSkin skin = findSkin(file, parents);
+  HandModel hand;
+  hand.name = path.stem().string();
+  hand.joints = readSkeleton(file, parents, skin);
+  SkinBuilder builder(file, skin, hand);
+  std::vector<char> used(file.model.meshes.size(), 0);
+  for (const tinygltf::Node& node : file.model.nodes) {
+    if (node.skin != skin.index || node.mesh < 0) continue;
+    if (size_t(node.mesh) >= used.size()) file.fail("a node's mesh does not exist");
+    if (used[node.mesh]++) continue;
+    for (const tinygltf::Primitive& primitive : file.model.meshes[node.mesh].primitives)
+      builder.add(primitive);
+  }
+  if (hand.skin.triangles.empty()) file.fail("no mesh is bound to the skin");
+  const double volume_m3 = massProperties(hand.skin).volume_m3;
+  if (!(std::abs(volume_m3) > kMinVolume)) file.fail("the skin encloses no volume");
+  if (volume_m3 < 0)  // a mirrored rig: turn the skin's outside out
+    for (auto& triangle : hand.skin.triangles) std::swap(triangle[1], triangle[2]);
+  hand.cut_patches = cutPatches(hand.joints, hand.skin);
+  return hand;
+}
+
+}  // namespace airclay

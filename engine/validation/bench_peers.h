@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+// The peers of `airclay bench`: what one would write first in plain C++, over two threads and in float, and
+// write well.
+#pragma once
+
+#include "engine/hull/carve.h"
+#include "engine/silhouette/silhouette.h"
+
+namespace airclay {
+
+/// Carves voxel by voxel: along a row the position in each camera is stepped, projected with the lens'
+/// polynomials, and looked up in a mask of bytes; the first miss ends the voxel.
+class CarveLoop {
+ public:
+  /// \throw Error for a fisheye or rational lens, which the loop does not know.
+  CarveLoop(const Rig& rig, int voxels);
+  /// Masks of one byte a pixel, as they come: nothing is prepared from them. \pre sizes are the cameras'
+  void run(const std::vector<Mask>& masks);
+  bool at(int x, int y, int z) const {
+    const std::size_t row = std::size_t(y) + std::size_t(voxels_) * std::size_t(z);
+    return occupied_[row * row_words_ + std::size_t(x) / 32] >> (x % 32) & 1;
+  }
+
+ private:
+  /// A camera as the loop needs it, in the frame of the voxel in the workspace's low corner, one voxel a
+  /// unit.
+  struct View {
+    std::array<float, 3> origin, along_x, along_y, along_z;
+    float fx, fy, cx, cy, k1, k2, p1, p2, k3, limit_square;
+    float width, height;
+  };
+  void carveLayers(const std::vector<Mask>& masks, int first, int step);
+
+  int voxels_;
+  std::size_t row_words_;
+  std::vector<View> views_;
+  std::vector<std::uint32_t> occupied_;  ///< a bit a voxel, rows along x in whole words
+};
+
+/// The silhouette's steps, picture by picture: scores, edges, majority, the largest part and the holes by
+/// flood fill.
+class SilhouetteLoop {
+ public:
+  /// `backgrounds`: one model a camera.
+  SilhouetteLoop(const Rig& rig, const std::vector<std::vector<BackgroundPixel>>& backgrounds);
+  /// One tightly packed BGR picture a camera.
+  void run(const std::vector<std::span<const std::uint8_t>>& pictures);
+  const std::vector<Mask>& masks() const { return masks_; }
+
+ private:
+  struct BackgroundFloats {
+    float b, g, r, spread;
+  };
+  struct Scratch {
+    std::vector<std::int8_t> octaves;
+    std::vector<std::uint8_t> segmented, majority, visited;
+    std::vector<int> part, largest;
+  };
+  void segment(std::size_t camera, std::span<const std::uint8_t> bgr);
+
+  std::vector<std::vector<BackgroundFloats>> backgrounds_;
+  std::vector<Scratch> scratch_;
+  std::vector<Mask> masks_;
+};
+
+}  // namespace airclay

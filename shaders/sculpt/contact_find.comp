@@ -1,0 +1,166 @@
+#version 460
+// SPDX-License-Identifier: MIT
+// Contact of one data point, or a mirror image of it: its path in the hand's frame since the last check, and where it has to go. Told in engine/sculpt/contact.h.
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
+#include "shaders/sculpt/contact_io.h"
+#include "shaders/core/invocation.glsl"
+#include "shaders/core/quaternion.glsl"
+#include "shaders/sculpt/symmetry.glsl"
+
+layout(push_constant, scalar) uniform Push { ContactFindArgs args; };
+
+#include "shaders/hand/hand_distance.glsl"
+
+const float kNone = 1e30;     // no surface was found
+const float kBuried = 2e30;   // no outside was found
+
+// Not unrolled: each copy of distanceAt costs lavapipe's compiler a tenth of a second, here and in the loops below.
+vec3 normalAt(vec3 point) {
+  vec3 gradient = vec3(0);
+  [[dont_unroll]] for (uint side = 0; side < 6; ++side) {
+    const vec3 axis = vec3(side >> 1 == 0, side >> 1 == 1, side >> 1 == 2);
+    const float sign_ = (side & 1u) == 0 ? 1 : -1;
+    gradient += axis * sign_ * distanceAt(point + 0.5 * args.hand.cell_m * sign_ * axis);
+  }
+  const float size = length(gradient);
+  return size > 0 ? gradient / size : vec3(0, 0, 1);
+}
+
+// The way of a data point while the hand goes from one pose to the next and the clay from one shape to the next, both at a steady pace.
+struct Way {
+  vec4 rotation_from, rotation_to;
+  vec3 center_from, center_to;
+  vec3 point_from, point_to;
+  float length_m;  // a bound
+};
+
+vec3 placeInHand(Way way, float t) {
+  const vec4 rotation = normalize(mix(way.rotation_from, way.rotation_to, t));
+  return rotate(conjugate(rotation), mix(way.point_from, way.point_to, t) - mix(way.center_from, way.center_to, t));
+}
+
+float boundOf(Way way) {
+  // the chord's quaternion turns fastest half way: 4 tan(angle / 4)
+  const float cosine = min(dot(way.rotation_from, way.rotation_to), 1);
+  const float turn = 4 * sqrt((1 - cosine) / (1 + cosine));
+  const float arm = max(length(way.point_from - way.center_from), length(way.point_to - way.center_to));
+  return length(way.point_to - way.point_from) + length(way.center_to - way.center_from) + turn * arm;
+}
+
+// The first t at which the way enters the hand, by conservative advancement, then bisection; kNone when it does not. `leaves`: it may
+// begin inside, and has to leave first.
+float firstEntry(Way way, bool leaves) {
+  const float min_step = max(kContactMinStep, way.length_m / kContactMaxSteps);
+  float t = 0, outside = 0, inside = kNone;
+  while (true) {
+    const float distance_m = distanceAt(placeInHand(way, t));
+    if (leaves) leaves = distance_m <= kContactReleased;
+    else if (distance_m <= 0) inside = t;
+    else outside = t;
+    if (inside != kNone) {
+      if ((inside - outside) * way.length_m <= kContactRefined) return inside;
+      t = 0.5 * (outside + inside);
+    } else {
+      if (t >= 1 || distance_m > (1 - t) * way.length_m) return kNone;
+      t = min(1, t + max(leaves ? 0 : distance_m, min_step) / way.length_m);
+      if (leaves) outside = t;
+    }
+  }
+}
+
+// The first surface on the line place + s direction from s = high down to low: its s. kNone when there is none, kBuried when the line is
+// inside far above `high`.
+float firstSurface(vec3 place, vec3 direction, float high, float low) {
+  float s = high, outside = kNone, inside = kNone;
+  while (true) {
+    const float distance_m = distanceAt(place + s * direction);
+    if (distance_m > 0) outside = s;
+    else if (outside != kNone) inside = s;
+    if (outside == kNone) {
+      s += max(-distance_m, kContactMinStep);
+      if (s > high + kContactMaxClimb) return kBuried;
+    } else if (inside == kNone) {
+      if (s <= low) return kNone;
+      s = max(low, s - max(distance_m, kContactMinStep));
+    } else {
+      if (outside - inside <= kContactRefined) return outside;
+      s = 0.5 * (outside + inside);
+    }
+  }
+}
+
+// A point that was outside, or is again when `leaves`.
+void sweep(Way way, bool leaves, inout GpuContactPoint point) {
+  point.state = kPointOutside;
+  point.depth = 0;
+  const float t = firstEntry(way, leaves);
+  if (t == kNone) return;
+  const vec3 now = placeInHand(way, 1);
+  vec3 back = placeInHand(way, t) - now;
+  point.depth = length(back);
+  if (point.depth <= kContactShortWay) back = placeInHand(way, 0) - now;  // entered at the very end
+  point.state = kPointReached;
+  point.depth_before = point.depth;
+  point.direction = length(back) > 0 ? normalize(back) : vec3(0, 0, 1);
+  point.pushed = 0;
+  point.pushed_plain = 0;
+  point.last_push = 0;
+}
+
+// A reached point; true when the hand has let it go.
+bool follow(Way way, float distance_m, inout GpuContactPoint point) {
+  const vec3 from = placeInHand(way, 0), to = placeInHand(way, 1);
+  if (args.first != 0) point.direction = normalize(point.direction + kContactTurnToNormal * normalAt(from));
+  const float high = max(0, dot(from - to, point.direction)) + max(0, point.depth) + kContactLift;
+  point.depth_before = point.depth;
+  point.depth = firstSurface(to, point.direction, high, -point.pushed);
+  if (point.depth == kBuried) {
+    point.state = kPointIgnored;
+    point.depth = 0;
+  } else if (point.depth == kNone) {
+    point.depth = -point.pushed;
+    return point.pushed == 0 && distance_m > kContactReleased;
+  }
+  return false;
+}
+
+void main() {
+  const uint data_point = invocation();
+  if (data_point >= args.data_point_count) return;
+  const uint image = gl_WorkGroupID.z, index = image * args.data_point_count + data_point;
+  const GpuContactFrame frame = args.frame.at[0];
+  const uint state = args.points.at[index].state;
+  GpuContactPoint point = GpuContactPoint(args.points.at[index].position, state, vec3(0), 0, 0, 0, 0, 0);
+  if (state == kPointReached) point = args.points.at[index];
+  const vec3 position = mirrorOf(args.mirrors, image) * args.data_points.at[data_point];
+  Way way;
+  way.rotation_to = frame.rotation_now;
+  way.center_to = frame.position_now;
+  way.rotation_from = args.first != 0 ? frame.rotation_before : frame.rotation_now;
+  way.center_from = args.first != 0 ? frame.position_before : frame.position_now;
+  way.point_from = point.position;
+  way.point_to = position;
+  way.length_m = boundOf(way);
+  point.position = position;
+  if (args.first != 0) {
+    point.pushed = 0;
+    point.pushed_plain = 0;
+    point.last_push = 0;
+  }
+  const float distance_m = distanceAt(placeInHand(way, 1));
+  if (frame.mode == kFrameStart) {
+    point.state = distance_m <= 0 ? kPointIgnored : kPointOutside;
+    point.depth = 0;
+  } else if (state == kPointIgnored) {
+    if (distance_m > kContactLeft) point.state = kPointOutside;
+  } else {
+    const bool reached = state == kPointReached;
+    const bool released = reached && follow(way, distance_m, point);
+    if (!reached || released) sweep(way, released, point);
+  }
+  if (frame.mode == kFrameSweep && state == kPointOutside && point.state == kPointOutside)
+    args.points.at[index].position = position;  // most points: all that changes
+  else
+    args.points.at[index] = point;
+}

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+// Strokes out of frames, told by their rule.
+#include "engine/clay/strokes.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace airclay {
+namespace {
+
+/// Frames a tenth of a second apart; what each one told.
+struct Watched {
+  StrokeWatch watch;
+  int frame = 0;
+
+  StrokeEvent see(int touched, bool held = true, bool tracked = true, const char* tool = "Push") {
+    return watch.see({0.1 * frame++, touched, held, tracked}, tool);
+  }
+};
+
+TEST(Strokes, ATouchBeginsOneAndAGapEndsIt) {
+  Watched w;
+  EXPECT_EQ(w.see(0), StrokeEvent::kNone);
+  EXPECT_EQ(w.see(3), StrokeEvent::kBegan);  // 0.1 s
+  EXPECT_TRUE(w.watch.underWay());
+  EXPECT_EQ(w.watch.name(), "Push");
+  EXPECT_EQ(w.see(5), StrokeEvent::kNone);                                   // 0.2 s: the last touch
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(w.see(0), StrokeEvent::kNone) << i;  // 0.3 to 0.5 s
+  EXPECT_EQ(w.see(1), StrokeEvent::kNone);  // 0.6 s: the hand lifted for less than the gap
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(w.see(0), StrokeEvent::kNone) << i;  // 0.7 to 0.9 s
+  w.frame = 11;
+  EXPECT_EQ(w.see(0), StrokeEvent::kEnded);  // 1.1 s: 0.5 s after the touch
+  EXPECT_FALSE(w.watch.underWay());
+  EXPECT_EQ(w.watch.name(), "Push");
+  EXPECT_EQ(w.see(0), StrokeEvent::kNone);
+  EXPECT_EQ(w.see(2), StrokeEvent::kBegan);
+}
+
+TEST(Strokes, TheGapIsFourTenthsOfASecond) {
+  for (const double gap_s : {0.39, 0.41}) {
+    StrokeWatch watch;
+    EXPECT_EQ(watch.see({1, 1}, "Push"), StrokeEvent::kBegan);
+    EXPECT_EQ(watch.see({1 + gap_s, 0}, "Push"), gap_s < 0.4 ? StrokeEvent::kNone : StrokeEvent::kEnded);
+  }
+}
+
+TEST(Strokes, SlowFramesMakeNoGap) {
+  StrokeWatch watch;  // the paper's 3 Hz, and slower still
+  EXPECT_EQ(watch.see({0, 1}, "Push"), StrokeEvent::kBegan);
+  EXPECT_EQ(watch.see({0.33, 1}, "Push"), StrokeEvent::kNone);
+  EXPECT_EQ(watch.see({1.33, 1}, "Push"), StrokeEvent::kNone);
+}
+
+TEST(Strokes, TheOpenClutchAndALostHandEndItAtOnce) {
+  Watched clutch;
+  clutch.see(3);
+  EXPECT_EQ(clutch.see(3, false), StrokeEvent::kEnded);
+  EXPECT_EQ(clutch.see(3, false), StrokeEvent::kNone);  // what an open clutch touches is no stroke
+  EXPECT_EQ(clutch.see(3), StrokeEvent::kBegan);
+  Watched lost;
+  lost.see(3);
+  EXPECT_EQ(lost.see(0, true, false), StrokeEvent::kEnded);
+  EXPECT_EQ(lost.see(3, true, false), StrokeEvent::kNone);
+  EXPECT_EQ(lost.see(3), StrokeEvent::kBegan);
+}
+
+TEST(Strokes, AnotherToolEndsItAndNamesTheNext) {
+  Watched w;
+  w.see(3);
+  EXPECT_EQ(w.see(3, true, true, "Smooth"), StrokeEvent::kEnded);
+  EXPECT_EQ(w.watch.name(), "Push");
+  EXPECT_EQ(w.see(3, true, true, "Smooth"), StrokeEvent::kBegan);
+  EXPECT_EQ(w.watch.name(), "Smooth");
+}
+
+TEST(Strokes, ATakeThatBeginsAgainEndsIt) {
+  StrokeWatch watch;
+  watch.see({5, 1}, "Push");
+  EXPECT_EQ(watch.see({0, 1}, "Push"), StrokeEvent::kEnded);
+  EXPECT_EQ(watch.see({0.1, 1}, "Push"), StrokeEvent::kBegan);
+}
+
+TEST(Strokes, FinishEndsWhatIsUnderWayOnce) {
+  StrokeWatch watch;
+  EXPECT_EQ(watch.finish(), StrokeEvent::kNone);
+  watch.see({0, 1}, "Pull");
+  EXPECT_EQ(watch.finish(), StrokeEvent::kEnded);
+  EXPECT_EQ(watch.finish(), StrokeEvent::kNone);
+  EXPECT_EQ(watch.name(), "Pull");
+}
+
+}  // namespace
+}  // namespace airclay

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: MIT
+// `airclay sculpt` with cameras that run: folders of pictures, played in real time as cameras would.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "capture/takes/poses_file.h"
+#include "engine/camera/rig.h"
+#include "engine/clay/presets.h"
+#include "engine/mesh/mesh_file.h"
+#include "tests/support/program.h"
+#include "tests/support/small_take.h"
+#include "tests/support/temporary_folder.h"
+
+namespace airclay {
+namespace {
+
+using Words = std::vector<std::string>;
+
+// The program has to be ready before the hand comes: 12 s, for the validation layer and a loaded machine. And
+// the hand waits to be found, which takes a software device half a second.
+const SmallTake kUnhurried{.empty_frames = 360, .slower = 6};
+
+class LiveApp : public testing::Test {
+ protected:
+  std::string at(const std::string& name) const { return folder / name; }
+  Ran sculpt(const Words& more) const {
+    Words words = {"sculpt", "--headless"};
+    words.insert(words.end(), more.begin(), more.end());
+    return runAirclay(words, {.environment = {{"AIRCLAY_VALIDATION", "1"}}});
+  }
+  /// The options for cameras that are the take's folders.
+  Words live(const std::string& take) const {
+    Words words = {"--rig", at(take + "/rig.toml")};
+    for (const Camera& camera : readRig(at(take + "/rig.toml")).cameras)
+      words.insert(words.end(), {"--camera", camera.name + "=" + at(take + "/" + camera.name)});
+    return words;
+  }
+
+  TemporaryFolder folder;
+};
+
+/// How far the farthest of the poses lies from the hand's way.
+double farthestFrom(const HandScript& script, double until_s, const std::vector<TimedPose>& poses) {
+  double farthest_m = 0;
+  for (const TimedPose& pose : poses) {
+    double nearest_m = INFINITY;
+    for (double t = 0; t < until_s; t += 0.002)
+      if (const std::optional<Pose> truth = script.at(t))
+        nearest_m = std::min(nearest_m, (truth->translation() - pose.world_from_hand.translation()).norm());
+    farthest_m = std::max(farthest_m, nearest_m);
+  }
+  return farthest_m;
+}
+
+TEST_F(LiveApp, CamerasThatRunAreSculptedWith) {
+  const int frames = writeSmallTake(folder / "take", kUnhurried);
+  Words words = live("take");
+  words.insert(words.end(), {"--out", at("out"), "--record", at("recorded"), "--unsteady"});
+  const Ran ran = sculpt(words);
+  ASSERT_EQ(ran.status, 0) << ran.errors;
+  EXPECT_EQ(ran.errors, "");
+  const std::vector<TimedPose> poses = readPoses(at("out/poses.tum"));
+  EXPECT_GT(poses.size(), 5u) << ran.output;  // a slow machine leaves frames out
+  // pictures of 320 x 240: a pixel is 4 mm wide
+  EXPECT_LT(farthestFrom(smallTakeScript(kUnhurried), frames / 30.0, poses), 0.008);
+  const PolygonMesh cage = readObj(at("out/cage.obj")), tube = presetCage("tube");
+  double moved_m = 0;
+  for (std::size_t i = 0; i < cage.points.size(); ++i)
+    moved_m = std::max(moved_m, (cage.points[i] - tube.points[i]).norm());
+  EXPECT_GT(moved_m, 0.003);
+
+  // what was recorded of it makes the same clay
+  const Ran again = runAirclay({"sculpt", at("recorded"), "--headless", "--out", at("again")});
+  EXPECT_EQ(again.status, 0) << again.errors;
+  EXPECT_EQ(contentOf(folder / "out/cage.obj"), contentOf(folder / "again/cage.obj"));
+  EXPECT_EQ(contentOf(folder / "out/surface.obj"), contentOf(folder / "again/surface.obj"));
+}
+
+TEST_F(LiveApp, ClocksThatDifferAreTold) {
+  // to and fro about the cube, no way like another
+  SmallTake free;
+  for (int i = 0; i < 12; ++i)
+    free.way.emplace_back(0.08 * std::sin(2.1 * i), 0.06 * std::cos(1.3 * i), 0.05 * std::sin(0.9 * i * i));
+  const int frames = writeSmallTake(folder / "take", free);
+  const std::vector<Camera> cameras = readRig(at("take/rig.toml")).cameras;
+  const std::vector<double> offsets_s = {0, 0.004, -0.006, 0.009};
+  ASSERT_EQ(cameras.size(), offsets_s.size());
+  std::ostringstream times;
+  times.precision(12);
+  times << "cam_id,frame_time\n";
+  for (int frame = 0; frame < frames; ++frame)
+    for (std::size_t c = 0; c < cameras.size(); ++c)
+      times << cameras[c].name << "," << frame / 30.0 + offsets_s[c] << "\n";
+  folder.write("take/timestamps.csv", times.str());
+  const Ran ran = runAirclay({"offsets", at("take"), "--json"});
+  ASSERT_EQ(ran.status, 0) << ran.errors;
+  const nlohmann::json said = nlohmann::json::parse(ran.output);
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    EXPECT_EQ(said["cameras"][c]["name"], cameras[c].name);
+    EXPECT_NEAR(said["cameras"][c]["offset_ms"].get<double>(), 1000 * offsets_s[c], 2) << c;
+  }
+  std::filesystem::remove(folder / "take/timestamps.csv");
+  const Ran none = runAirclay({"offsets", at("take")});
+  EXPECT_EQ(none.status, 1);
+  EXPECT_NE(none.errors.find("timestamps.csv"), std::string::npos) << none.errors;
+}
+
+TEST_F(LiveApp, WhatCannotBeIsOneLine) {
+  writeSmallTake(folder / "take");
+  const auto refused = [&](const Words& words, int status, const std::string& said) {
+    const Ran ran = sculpt(words);
+    EXPECT_EQ(ran.status, status) << said;
+    EXPECT_EQ(ran.errorLines().size(), 1u) << ran.errors;
+    EXPECT_NE(ran.errors.find(said), std::string::npos) << ran.errors;
+  };
+  const Words all = live("take");
+  const auto with = [&](Words words, const Words& more) {
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  };
+  refused({all.begin() + 2, all.end()}, 2, "--rig");
+  refused({all.begin(), all.end() - 2}, 2, "has no source");
+  refused(with(all, {"--camera", "other=" + at("take/other")}), 2, "no camera of this name");
+  refused(with(all, {at("take")}), 2, "at once");
+  Words gone = all;
+  gone.back() = gone.back() + "-gone";
+  refused(gone, 1, "-gone");
+}
+
+}  // namespace
+}  // namespace airclay

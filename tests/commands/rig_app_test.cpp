@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: MIT
+// `airclay rig` as a user runs it: from one program's files to another's, and what is wrong with a rig.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "capture/images/image_file.h"
+#include "engine/core/file_io.h"
+#include "engine/hull/silhouette_agreement.h"
+#include "tests/support/program.h"
+#include "tests/support/scene.h"
+#include "tests/support/temporary_folder.h"
+
+namespace airclay {
+namespace {
+
+using nlohmann::json;
+
+/// A rig's file, and a recording of it: a sphere's masks.
+struct RigAndTake {
+  TemporaryFolder folder;
+  Rig rig = ringRig(4, 640, 480);
+  std::string file = (folder / "rig.toml").string(), take = (folder / "take").string();
+
+  RigAndTake() {
+    writeRig(file, rig);
+    const MaskSet masks = sphereMasks(rig, Vec3(0.08, -0.05, 0.06), 0.07);
+    for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
+      const std::filesystem::path of_camera = folder.path() / "take" / "silhouettes" / rig.cameras[i].name;
+      std::filesystem::create_directories(of_camera);
+      std::vector<std::uint8_t> rgba;
+      for (const std::uint8_t pixel : masks[i].pixels) rgba.insert(rgba.end(), {pixel, pixel, pixel, 255});
+      writePng(of_camera / "000000.png", {rig.cameras[i].width, rig.cameras[i].height}, rgba);
+    }
+  }
+
+  /// rig.toml with every `from` replaced.
+  std::string changed(const std::string& name, const std::string& from, const std::string& to) const {
+    std::string text = readWhole(file, 1 << 20);
+    for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
+      text.replace(at, from.size(), to);
+    return folder.write(name, text).string();
+  }
+};
+
+TEST(RigApp, ConvertsThereAndBackAgain) {
+  const RigAndTake scene;
+  std::string from = scene.file;
+  for (const std::string form : {"anipose", "caliscope", "pose2sim", "easymocap", "airclay"}) {
+    const std::string out = (scene.folder / (form == "easymocap" ? "easymocap" : form + ".toml")).string();
+    const Ran ran = runAirclay({"rig", "convert", from, "--to", form, "--out", out});
+    ASSERT_EQ(ran.status, 0) << ran.errors;
+    EXPECT_NE(ran.output.find("4 cameras"), std::string::npos) << ran.output;
+    EXPECT_EQ(ran.errorLines().size(), form == "caliscope" ? 4u : 0u) << ran.errors;  // names of its videos
+    from = out;
+  }
+  const Rig back = readRig(from);
+  ASSERT_EQ(back.cameras.size(), 4u);
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(back.cameras[i].name, scene.rig.cameras[i].name);
+    EXPECT_EQ(back.cameras[i].width, scene.rig.cameras[i].width);
+    const auto stray =
+        back.cameras[i].camera_from_world.matrix() - scene.rig.cameras[i].camera_from_world.matrix();
+    EXPECT_LE(stray.norm(), 1e-9);
+  }
+}
+
+TEST(RigApp, ConvertsUnitsSizesAndTheWorkspace) {
+  const RigAndTake scene;
+  const std::string out = (scene.folder / "out.toml").string();
+  const std::string bare = scene.changed("bare.toml", "units = \"m\"", "adjusted = false");
+  const Ran refused = runAirclay({"rig", "convert", bare, "--to", "airclay", "--out", out});
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_NE(refused.errors.find("--units"), std::string::npos) << refused.errors;
+  ASSERT_EQ(runAirclay({"rig", "convert", bare, "--units", "m", "--edge", "0.4", "--center", "0.1,0,-0.05",
+                        "--to", "airclay", "--out", out})
+                .status,
+            0);
+  EXPECT_EQ(readRig(out).workspace.edge_m, 0.4);
+  EXPECT_EQ(readRig(out).workspace.center, Vec3(0.1, 0, -0.05));
+  ASSERT_EQ(runAirclay({"rig", "convert", out, "--center", "auto", "--to", "airclay", "--out", out}).status,
+            0);
+  EXPECT_LE(readRig(out).workspace.center.norm(), 1e-9);  // where the ring looks
+
+  const std::string sizeless = scene.changed("sizeless.toml", "size = [640, 480]\n", "");
+  const Ran unknown = runAirclay({"rig", "convert", sizeless, "--to", "airclay", "--out", out});
+  EXPECT_EQ(unknown.status, 1);
+  EXPECT_NE(unknown.errors.find("size is missing"), std::string::npos) << unknown.errors;
+  ASSERT_EQ(
+      runAirclay({"rig", "convert", sizeless, "--take", scene.take, "--to", "airclay", "--out", out}).status,
+      0);
+  EXPECT_EQ(readRig(out).cameras[3].height, 480);
+}
+
+TEST(RigApp, WrongWordsAreStatusTwo) {
+  const RigAndTake scene;
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
+      {{"rig"}, "subcommand"},
+      {{"rig", "convert", scene.file, "--out", "x.toml"}, "--to"},
+      {{"rig", "convert", scene.file, "--to", "anipose"}, "--out"},
+      {{"rig", "convert", scene.file, "--to", "matlab", "--out", "x.toml"}, "matlab"},
+      {{"rig", "convert", scene.file, "--to", "easymocap", "--out", "x.yml"}, "folder"},
+      {{"rig", "check", scene.file, "--units", "inch"}, "inch"},
+      {{"rig", "check", scene.file, "--center", "1,2"}, "--center 1,2"},
+      {{"rig", "check", scene.file, "--edge", "0"}, "--edge"},
+      {{"rig", "check"}, "RIG"},
+  };
+  for (const auto& [words, said] : cases) {
+    const Ran ran = runAirclay(words);
+    EXPECT_EQ(ran.status, 2) << said;
+    EXPECT_EQ(ran.errorLines().size(), 1u) << ran.errors;
+    EXPECT_NE(ran.errors.find(said), std::string::npos) << ran.errors;
+  }
+}
+
+TEST(RigApp, AGoodRigPasses) {
+  const RigAndTake scene;
+  const Ran ran = runAirclay({"rig", "check", scene.file});
+  EXPECT_EQ(ran.status, 0);
+  EXPECT_EQ(ran.errors, "");
+  EXPECT_NE(ran.output.find("nothing is wrong"), std::string::npos) << ran.output;
+  EXPECT_NE(ran.output.find("640 x 480"), std::string::npos) << ran.output;
+
+  const Ran with_take = runAirclay({"rig", "check", scene.file, scene.take, "--json"});
+  EXPECT_EQ(with_take.status, 0) << with_take.errors;
+  const json report = json::parse(with_take.output);
+  EXPECT_EQ(report.at("ok"), true);
+  EXPECT_TRUE(report.at("findings").empty()) << report.dump();
+  ASSERT_EQ(report.at("cameras").size(), 4u);
+  const json& camera = report.at("cameras")[1];
+  EXPECT_EQ(camera.at("name"), "cam1");
+  EXPECT_NEAR(camera.at("distance_m"), std::hypot(1, 0.75), 1e-9);
+  EXPECT_GE(camera.at("explained"), 0.99);
+}
+
+TEST(RigApp, AWrongRigFailsWithAllThatIsWrong) {
+  RigAndTake scene;
+  for (Camera& camera : scene.rig.cameras) camera.camera_from_world = camera.camera_from_world.inverse();
+  writeRig(scene.file, scene.rig);
+  const Ran ran = runAirclay({"rig", "check", scene.file, scene.take, "--json"});
+  EXPECT_EQ(ran.status, 1);
+  EXPECT_EQ(ran.errorLines().size(), 1u) << ran.errors;
+  const json report = json::parse(ran.output);
+  EXPECT_EQ(report.at("ok"), false);
+  int faults = 0, suspicions = 0, inverse = 0;
+  for (const json& finding : report.at("findings")) {
+    faults += finding.at("severity") == "fault";
+    suspicions += finding.at("severity") == "suspicion";
+    inverse += std::string(finding.at("what")).find("world_from_camera") != std::string::npos;
+  }
+  EXPECT_GE(faults, 1);
+  EXPECT_GE(suspicions, 1);
+  EXPECT_EQ(inverse, 2) << report.dump(1);  // seen from the cube, and from the silhouettes
+
+  const Ran quiet = runAirclay({"rig", "check", scene.file, "--quiet"});
+  EXPECT_EQ(quiet.output, "");
+  EXPECT_EQ(quiet.status, 1);
+  const Ran missing = runAirclay({"rig", "check", (scene.folder / "none.toml").string()});
+  EXPECT_EQ(missing.status, 1);
+  EXPECT_NE(missing.errors.find("none.toml"), std::string::npos) << missing.errors;
+}
+
+}  // namespace
+}  // namespace airclay

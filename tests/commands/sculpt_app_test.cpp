@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: MIT
+// The main job as a whole program: from pixels in files to poses, surface, pictures and video, against the
+// known truth.
+#include <gtest/gtest.h>
+
+#include <signal.h>
+
+#include <algorithm>
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "capture/images/video_reader.h"
+#include "capture/takes/synthetic.h"
+#include "engine/clay/presets.h"
+#include "engine/clay/subdivide.h"
+#include "engine/mesh/mesh_file.h"
+#include "tests/support/gpu_fixture.h"
+#include "tests/support/program.h"
+#include "tests/support/temporary_folder.h"
+
+namespace airclay {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kFrames = 15;  // with the hand: enough to find it and to follow it
+
+/// Median and worst of what poses are off the truth of the same time.
+struct PoseErrors {
+  double median_mm = 0, worst_mm = 0, median_deg = 0;
+};
+
+PoseErrors errorsOf(const std::vector<TimedPose>& poses, const std::vector<TimedPose>& truth) {
+  std::vector<double> mm, deg;
+  for (const TimedPose& pose : poses)
+    for (const TimedPose& true_pose : truth) {
+      if (std::abs(pose.time_s - true_pose.time_s) > 1e-4) continue;
+      mm.push_back(1000 *
+                   (pose.world_from_hand.translation() - true_pose.world_from_hand.translation()).norm());
+      deg.push_back(angleBetween(pose.world_from_hand.linear(), true_pose.world_from_hand.linear()) * 180 /
+                    std::numbers::pi);
+    }
+  EXPECT_EQ(mm.size(), poses.size());
+  if (mm.empty()) return {};
+  std::sort(mm.begin(), mm.end());
+  std::sort(deg.begin(), deg.end());
+  return {mm[mm.size() / 2], mm.back(), deg[deg.size() / 2]};
+}
+
+/// The demo's first frames as a recording on disk: pictures without loss, rig and truth.
+struct RecordedDemo {
+  TemporaryFolder folder;
+  int background_frames = 0, frames = 0;
+
+  explicit RecordedDemo(int frames_with_hand) {
+    Synthetic synthetic(testGpu());
+    background_frames = synthetic.backgroundFrames();
+    frames = background_frames + frames_with_hand;
+    writeRig(folder / "rig.toml", synthetic.rig());
+    writePoses(folder / "truth.tum", *synthetic.truth());
+    std::vector<std::vector<std::uint8_t>> pictures;
+    for (const Camera& camera : synthetic.rig().cameras) {
+      std::filesystem::create_directory(folder / camera.name);
+      pictures.emplace_back(std::size_t(3) * std::size_t(camera.width) * std::size_t(camera.height));
+    }
+    const std::vector<std::span<std::uint8_t>> buffers(pictures.begin(), pictures.end());
+    for (int frame = 0; frame < frames; ++frame) {
+      synthetic.readPictures(frame, buffers);
+      for (std::size_t i = 0; i < pictures.size(); ++i)
+        writeBgr(synthetic.rig().cameras[i], frame, pictures[i]);
+    }
+  }
+  void writeBgr(const Camera& camera, int frame, const std::vector<std::uint8_t>& bgr) const {
+    std::vector<std::uint8_t> rgba;
+    for (std::size_t i = 0; i < bgr.size(); i += 3)
+      rgba.insert(rgba.end(), {bgr[i + 2], bgr[i + 1], bgr[i], 255});
+    writePng(folder.path() / camera.name / (std::to_string(frame) + ".png"), {camera.width, camera.height},
+             rgba);
+  }
+  std::string path() const { return folder.path().string(); }
+  std::string background() const { return std::to_string(background_frames); }
+};
+
+TEST(SculptApp, TrackFollowsTheHandOfARecording) {
+  const RecordedDemo take(kFrames);
+  const std::string poses = take.folder / "poses.tum";
+  const Ran ran =
+      runAirclay({"track", take.path(), "--background", take.background(), "--poses", poses, "--json"});
+  ASSERT_EQ(ran.status, 0) << ran.errors;
+  EXPECT_EQ(ran.errors, "");
+  const json figures = json::parse(ran.output);
+  EXPECT_EQ(figures["frames"], take.frames);
+  EXPECT_EQ(figures["empty"], take.background_frames);
+  EXPECT_EQ(figures["tracked"], kFrames);
+  EXPECT_EQ(figures["lost"], 0);
+  for (const char* stage : {"silhouette", "carve", "fit"}) EXPECT_GT(figures["stage_ms"][stage], 0) << stage;
+  EXPECT_GT(figures["decode_ms"], 0);
+  EXPECT_NEAR(figures["hz"].get<double>() * figures["frame_ms"].get<double>(), 1000, 1e-6);
+
+  const PoseErrors errors = errorsOf(readPoses(poses), readPoses(take.folder / "truth.tum"));
+  EXPECT_LT(errors.median_mm, 2);
+  EXPECT_LT(errors.median_deg, 1);
+  EXPECT_NEAR(figures["worst_error_mm"], errors.worst_mm, 1e-3);  // of the file's six decimals
+}
+
+TEST(SculptApp, EndedEarlyItLeavesNothing) {
+  const RecordedDemo take(kFrames);
+  const std::filesystem::path out = take.folder / "out";
+  std::filesystem::create_directory(out);
+  const Ran ran = runAirclay(
+      {"track", take.path(), "--background", take.background(), "--poses", (out / "poses.tum").string()},
+      {.environment = {}, .terminate_after_ms = 500});
+  EXPECT_EQ(ran.status, 128 + 15);
+  EXPECT_TRUE(std::filesystem::is_empty(out));
+}
+
+/// Ctrl-C once a file of this name stands in the folder: one line, status 130, and nothing half written.
+void expectInterrupted(const std::vector<std::string>& words, const std::filesystem::path& out,
+                       const std::string& name) {
+  SCOPED_TRACE(words.at(0));
+  const auto begun = [&] {
+    std::error_code ignored;
+    for (const auto& entry : std::filesystem::directory_iterator(out, ignored))
+      if (entry.path().filename().string().starts_with(name)) return true;
+    return false;
+  };
+  RunOptions options;
+  options.interrupt_when = begun;
+  const Ran ran = runAirclay(words, options);
+  EXPECT_EQ(ran.status, 128 + SIGINT);
+  EXPECT_EQ(ran.errors, "airclay: interrupted\n");
+  for (const auto& entry : std::filesystem::directory_iterator(out)) {
+    const std::string left = entry.path().filename();
+    EXPECT_EQ(left.find(".part-"), std::string::npos) << left;
+    EXPECT_EQ(left.find("unfinished"), std::string::npos) << left;
+    EXPECT_FALSE(left.ends_with(".mp4")) << left;
+    if (left.ends_with(".png")) {
+      EXPECT_GT(pictureSize(entry.path()).width, 0) << left;  // checks its end, too
+    }
+  }
+}
+
+TEST(SculptApp, CtrlCEndsItCleanly) {
+  const RecordedDemo take(kFrames);
+  const TemporaryFolder folder;
+  const std::string out = folder / "out";
+  std::filesystem::create_directory(out);
+  expectInterrupted({"sculpt", take.path(), "--background", take.background(), "--headless", "--out", out,
+                     "--video", folder / "out/film.mp4"},
+                    out, "before.png");
+  expectInterrupted({"demo", "--headless", "--out", folder / "demo"}, folder / "demo", "before.png");
+  expectInterrupted({"figures", "--out", folder / "figures"}, folder / "figures", "figure1.png");
+}
+
+TEST(SculptApp, CtrlCEndsAnExportCleanly) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "out");
+  const std::string large = folder / "out/large.obj";
+  RunOptions options;
+  const auto since = std::chrono::steady_clock::now();
+  options.interrupt_when = [&] { return std::chrono::steady_clock::now() - since > std::chrono::seconds(1); };
+  const Ran ran = runAirclay({"export", "ball", "--levels", "7", "--out", large}, options);  // 400,000 points
+  EXPECT_EQ(ran.status, 128 + SIGINT);
+  EXPECT_EQ(ran.errors, "airclay: interrupted\n");
+  EXPECT_TRUE(std::filesystem::is_empty(folder / "out"));
+}
+
+TEST(SculptApp, DemoSculptsFromPixels) {
+  const TemporaryFolder folder;
+  const std::filesystem::path out = folder / "demo";
+  const Ran ran = runAirclay({"demo", "--out", out.string()});
+  ASSERT_EQ(ran.status, 0) << ran.errors;
+  EXPECT_EQ(ran.errors, "");
+  EXPECT_NE(ran.output.find(" Hz"), std::string::npos) << ran.output;
+  EXPECT_NE(ran.output.find(" 0 lost"), std::string::npos) << ran.output;
+
+  const std::vector<TimedPose> truth = *Synthetic(testGpu()).truth();
+  const std::vector<TimedPose> poses = readPoses(out / "poses.tum");
+  EXPECT_EQ(poses.size(), truth.size());
+  const PoseErrors errors = errorsOf(poses, truth);
+  EXPECT_LT(errors.median_mm, 2);
+  EXPECT_LT(errors.median_deg, 1);
+
+  // the clay was moved, and surface and cage belong together: d = A p
+  const PolygonMesh start = presetCage("tube"), cage = readObj(out / "cage.obj");
+  const PolygonMesh surface = readObj(out / "surface.obj");
+  const StencilMatrix matrix = subdivide(start, 2, SubdivisionRule::kCatmullClark).matrix;
+  const std::vector<Vec3> expected = dataPoints(matrix, cage.points);
+  const std::vector<Vec3> before = dataPoints(matrix, start.points);
+  ASSERT_EQ(surface.points.size(), expected.size());
+  double farthest_m = 0, moved_m = 0;
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    farthest_m = std::max(farthest_m, (surface.points[i] - expected[i]).norm());
+    moved_m = std::max(moved_m, (surface.points[i] - before[i]).norm());
+  }
+  EXPECT_LT(farthest_m, 1e-6);  // the surface is evaluated in single precision
+  EXPECT_GT(moved_m, 0.01);
+
+  for (const char* picture : {"before.png", "touch.png", "workings.png", "after.png"})
+    EXPECT_GT(pictureSize(out / picture).width, 100) << picture;
+  const std::unique_ptr<FrameSource> video = openFrames(out, "demo");
+  ASSERT_TRUE(video);
+  EXPECT_GE(video->frameCount(), static_cast<int>(poses.size()));
+}
+
+TEST(SculptApp, SculptDoesAsItIsTold) {
+  const RecordedDemo take(10);
+  const TemporaryFolder folder;
+  const std::filesystem::path out = folder / "out", video = folder / "film.mp4";
+  const Ran ran = runAirclay({"sculpt",      take.path(),  "--background",   take.background(), "--clay",
+                              "ball",        "--place",    "0.05,-0.1,0.02", "--size",          "0.08",
+                              "--levels",    "1",          "--rule",         "printed",         "--solve",
+                              "touched",     "--headless", "--out",          out.string(),      "--video",
+                              video.string()});
+  ASSERT_EQ(ran.status, 0) << ran.errors;
+  const PolygonMesh ball = presetCage("ball");
+  const Subdivision subdivision = subdivide(ball, 1, SubdivisionRule::kPrinted);
+  const PolygonMesh surface = readObj(out / "surface.obj"), cage = readObj(out / "cage.obj");
+  EXPECT_EQ(surface.points.size(), static_cast<std::size_t>(subdivision.matrix.rows()));
+  Eigen::AlignedBox3d bounds;
+  for (const Vec3& point : cage.points) bounds.extend(point);
+  EXPECT_LT((bounds.center() - Vec3(0.05, -0.1, 0.02)).norm(), 1e-6);
+  EXPECT_NEAR(bounds.sizes().maxCoeff(), 0.08, 1e-6);
+  const std::vector<Vec3> expected = dataPoints(subdivision.matrix, cage.points);
+  for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_LT((surface.points[i] - expected[i]).norm(), 1e-6);
+  EXPECT_EQ(openFrames(folder.path(), "film")->frameCount(), take.frames);
+}
+
+TEST(SculptApp, ClayOutsideTheWorkspaceIsWarnedOf) {
+  const RecordedDemo take(1);
+  const Ran ran = runAirclay({"sculpt", take.path(), "--background", take.background(), "--place", "0.3,0,0",
+                              "--out", take.folder / "out"});
+  EXPECT_EQ(ran.status, 0);
+  ASSERT_EQ(ran.errorLines().size(), 1u) << ran.errors;
+  EXPECT_NE(ran.errors.find("outside the workspace"), std::string::npos);
+}
+
+TEST(SculptApp, CompareAndBenchPrintTheirKeys) {
+  const Ran compared = runAirclay({"compare", "--json"});
+  EXPECT_EQ(compared.status, 0) << compared.errors;
+  const json kernels = json::parse(compared.output)["kernels"];
+  EXPECT_GT(kernels.size(), 4u);
+  for (const json& kernel : kernels) {
+    EXPECT_EQ(kernel["pass"], true) << kernel;
+    EXPECT_LE(kernel["error"], kernel["tolerance"]) << kernel;
+  }
+  const Ran timed = runAirclay({"bench", "--json"});
+  EXPECT_EQ(timed.status, 0) << timed.errors;
+  const json stages = json::parse(timed.output)["stages"];
+  EXPECT_TRUE(std::any_of(stages.begin(), stages.end(), [](const json& s) { return s["name"] == "frame"; }));
+  for (const json& stage : stages)
+    for (const char* key :
+         {"name", "device", "gpu_ms", "wall_ms", "work", "reference_ratio", "peer", "peer_ratio"})
+      EXPECT_TRUE(stage.contains(key)) << key;
+}
+
+}  // namespace
+}  // namespace airclay

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: MIT
+// Signed distance grids against closed forms and against the sum over all triangles.
+#include "engine/mesh/distance_grid.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <random>
+
+#include "engine/core/error.h"
+#include "engine/hand/hand_model.h"
+
+namespace airclay {
+namespace {
+
+const Vec3 kHalf(0.02, 0.03, 0.05);
+
+TriangleMesh box() {
+  TriangleMesh mesh;
+  for (int corner = 0; corner < 8; ++corner)
+    mesh.vertices.push_back(
+        kHalf.cwiseProduct(Vec3(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1)));
+  mesh.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                    {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  return mesh;
+}
+
+double distanceToBox(const Vec3& point) {
+  const Vec3 beyond = point.cwiseAbs() - kHalf;
+  return beyond.cwiseMax(Vec3::Zero()).norm() + std::min(beyond.maxCoeff(), 0.);
+}
+
+/// An octahedron split `levels` times, its vertices on the sphere.
+TriangleMesh sphere(double radius, int levels) {
+  TriangleMesh mesh;
+  mesh.vertices = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+  mesh.triangles = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+  for (int level = 0; level < levels; ++level) {
+    std::vector<std::array<int, 3>> finer;
+    std::map<std::pair<int, int>, int>
+        middles;  // of an edge: shared, or the mesh would be open at every edge
+    for (const auto& t : mesh.triangles) {
+      std::array<int, 3> middle{};
+      for (int i = 0; i < 3; ++i) {
+        const int a = t[i], b = t[(i + 1) % 3];
+        const auto [known, is_new] = middles.try_emplace(std::minmax({a, b}), int(mesh.vertices.size()));
+        if (is_new) mesh.vertices.push_back((mesh.vertices[a] + mesh.vertices[b]).normalized());
+        middle[i] = known->second;
+      }
+      finer.push_back({t[0], middle[0], middle[2]});
+      finer.push_back({middle[0], t[1], middle[1]});
+      finer.push_back({middle[2], middle[1], t[2]});
+      finer.push_back(middle);
+    }
+    mesh.triangles = finer;
+  }
+  for (Vec3& vertex : mesh.vertices) vertex *= radius;
+  return mesh;
+}
+
+template <typename Check>
+void forEachSample(const DistanceGrid& grid, const Check& check) {
+  for (int k = 0; k < grid.size[2]; ++k)
+    for (int j = 0; j < grid.size[1]; ++j)
+      for (int i = 0; i < grid.size[0]; ++i)
+        check(Vec3(grid.low_corner + grid.cell_m * Vec3(i, j, k)),
+              double(grid.values[size_t(i) + size_t(grid.size[0]) * (size_t(j) + size_t(grid.size[1]) * k)]));
+}
+
+TEST(DistanceGrid, OfABoxIsTheClosedForm) {
+  const DistanceGrid grid = signedDistanceGrid(box(), 0.0031, 0.02);
+  int inside = 0;
+  forEachSample(grid, [&](const Vec3& point, double value) {
+    ASSERT_NEAR(value, distanceToBox(point), 1e-8) << point.transpose();  // float's own rounding
+    inside += value < 0;
+  });
+  EXPECT_GT(inside, 1000);
+  EXPECT_EQ(grid.values.size(), size_t(grid.size[0]) * grid.size[1] * grid.size[2]);
+}
+
+TEST(DistanceGrid, HoldsTheMeshAndItsMargin) {
+  const DistanceGrid grid = signedDistanceGrid(box(), 0.003, 0.02);
+  const Vec3 cells(grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1);
+  const Vec3 high_corner = grid.low_corner + grid.cell_m * cells;
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_LE(grid.low_corner[axis], -kHalf[axis] - 0.02 + 1e-12);
+    EXPECT_GE(grid.low_corner[axis], -kHalf[axis] - 0.02 - grid.cell_m);
+    EXPECT_GE(high_corner[axis], kHalf[axis] + 0.02 - 1e-12);
+  }
+}
+
+TEST(DistanceGrid, OfAnOpenBoxIsThatOfTheClosedOne) {
+  TriangleMesh open = box();
+  open.triangles.erase(open.triangles.begin() + 2, open.triangles.begin() + 4);
+  forEachSample(signedDistanceGrid(open, 0.004, 0.015), [](const Vec3& point, double value) {
+    ASSERT_NEAR(value, distanceToBox(point), 1e-8) << point.transpose();
+  });
+}
+
+TEST(DistanceGrid, OfASphereIsTheBallsUpToItsFacets) {
+  const double radius = 0.04;
+  const TriangleMesh mesh = sphere(radius, 5);
+  double sagitta = 0;  // how far facets lie below the ball's surface
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const Vec3 normal =
+        (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]).normalized();
+    sagitta = std::max(sagitta, radius - normal.dot(mesh.vertices[a]));
+  }
+  ASSERT_LT(sagitta, 50e-6);
+  forEachSample(signedDistanceGrid(mesh, 0.0037, 0.02), [&](const Vec3& point, double value) {
+    const double truth = point.norm() - radius;
+    ASSERT_GE(value, truth - 1e-8);
+    ASSERT_LE(value, truth + sagitta + 1e-8);
+  });
+}
+
+TEST(DistanceGrid, OfTheHandIsExactAtItsSamples) {
+  const HandModel hand = builtInHand(false);
+  const DistanceGrid grid = signedDistanceGrid(hand.skin, 0.0025, 0.03);
+  std::mt19937 random(7);
+  for (int n = 0; n < 1500; ++n) {
+    std::array<int, 3> at{};
+    for (int axis = 0; axis < 3; ++axis) at[axis] = int(random() % unsigned(grid.size[axis]));
+    const Vec3 point = grid.low_corner + grid.cell_m * Vec3(at[0], at[1], at[2]);
+    const float value =
+        grid.values[size_t(at[0]) + size_t(grid.size[0]) * (size_t(at[1]) + size_t(grid.size[1]) * at[2])];
+    ASSERT_NEAR(value, signedDistance(hand.skin, point), 1e-8) << point.transpose();
+  }
+}
+
+TEST(DistanceGrid, OfTheLeftHandIsTheMirrorOfTheRight) {
+  const DistanceGrid right = signedDistanceGrid(builtInHand(false).skin, 0.004, 0.01);
+  const DistanceGrid left = signedDistanceGrid(builtInHand(true).skin, 0.004, 0.01);
+  ASSERT_EQ(left.size, right.size);
+  forEachSample(right, [&](const Vec3& point, double value) {
+    ASSERT_NEAR(sample(left, {point.x(), -point.y(), point.z()}), value, 1e-7);
+  });
+}
+
+TEST(DistanceGrid, CrossingSheetsAreOneInside) {
+  TriangleMesh crossed =
+      box();  // a box and the same box shifted by half: the union, where they overlap twice wound
+  TriangleMesh shifted = box();
+  const int first = int(crossed.vertices.size());
+  for (const Vec3& vertex : shifted.vertices) crossed.vertices.push_back(vertex + Vec3(0.02, 0, 0));
+  for (const auto& [a, b, c] : shifted.triangles)
+    crossed.triangles.push_back({a + first, b + first, c + first});
+  forEachSample(signedDistanceGrid(crossed, 0.0037, 0.01), [](const Vec3& point, double value) {
+    const double to_union = std::min(distanceToBox(point), distanceToBox(point - Vec3(0.02, 0, 0)));
+    if (std::abs(to_union) > 1e-9) {
+      ASSERT_EQ(value < 0, to_union < 0) << point.transpose();
+    }
+  });
+}
+
+TEST(SignedDistance, OfABoxIsTheClosedForm) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> place(-0.1, 0.1);
+  for (int n = 0; n < 2000; ++n) {
+    const Vec3 point(place(random), place(random), place(random));
+    ASSERT_NEAR(signedDistance(box(), point), distanceToBox(point), 1e-15);
+  }
+}
+
+TEST(Sample, IsTrilinearInsideAndGrowsOutside) {
+  DistanceGrid grid{{1, 2, 3}, 0.5, {3, 4, 2}, {}};
+  const auto linear = [](const Vec3& p) {
+    return 2 * p.x() - 3 * p.y() + 0.5 * p.z() + p.x() * p.y() * p.z();
+  };
+  for (int k = 0; k < 2; ++k)
+    for (int j = 0; j < 4; ++j)
+      for (int i = 0; i < 3; ++i)
+        grid.values.push_back(float(linear(grid.low_corner + grid.cell_m * Vec3(i, j, k))));
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> share(0, 1);
+  for (int n = 0; n < 200; ++n) {
+    const Vec3 point = grid.low_corner + Vec3(share(random), 1.5 * share(random), 0.5 * share(random));
+    EXPECT_NEAR(sample(grid, point), linear(point), 1e-5);
+  }
+  EXPECT_NEAR(sample(grid, {2, 3.5, 3.5}), linear({2, 3.5, 3.5}), 1e-5);  // the last corner
+  EXPECT_NEAR(sample(grid, {2 + 3, 3.5 + 4, 3.5}), linear({2, 3.5, 3.5}) + 5, 1e-5);
+  EXPECT_NEAR(sample(grid, {0.75, 2.3, 3.1}), linear({1, 2.3, 3.1}) + 0.25, 1e-5);
+}
+
+TEST(DistanceGrid, RefusesCellsThatAreNone) {
+  EXPECT_THROW(signedDistanceGrid(box(), 0, 0.01), Error);
+  EXPECT_THROW(signedDistanceGrid(box(), -1, 0.01), Error);
+  EXPECT_THROW(signedDistanceGrid(box(), 1e-6, 0.01), Error);
+  EXPECT_THROW(signedDistanceGrid(box(), std::nan(""), 0.01), Error);
+  EXPECT_THROW(signedDistanceGrid({}, 0.01, 0.01), Error);
+}
+
+}  // namespace
+}  // namespace airclay

@@ -1,0 +1,430 @@
+// SPDX-License-Identifier: MIT
+// The tools pull and smooth, and symmetry: what the clay does, by the clay and the hand alone.
+#include "engine/sculpt/tools.h"
+
+#include <cmath>
+#include <functional>
+#include <iostream>
+
+#include "engine/clay/presets.h"
+#include "engine/sculpt/sculptor.h"
+#include "tests/support/contact_hands.h"
+#include "tests/support/gpu_fixture.h"
+
+namespace airclay {
+namespace {
+
+constexpr double kBallRadius_m = 0.03;
+constexpr SolveRows kBothSolves[] = {SolveRows::kAll, SolveRows::kTouched};
+
+/// A ball of 10 cm about the origin: the preset, subdivided.
+PolygonMesh ballCage(int levels) {
+  const PolygonMesh cage = presetCage("ball");
+  const Subdivision subdivision = subdivide(cage, levels, SubdivisionRule::kCatmullClark);
+  PolygonMesh fine{dataPoints(subdivision.matrix, cage.points), {}};
+  for (const std::array<int, 4>& quad : subdivision.quads) fine.faces.emplace_back(quad.begin(), quad.end());
+  return fine;
+}
+
+/// A square sheet z = 0 about the origin, 0.2 m wide.
+PolygonMesh sheetCage(int quads) {
+  PolygonMesh cage;
+  const auto at = [&](int i) { return 0.2 * i / quads - 0.1; };
+  for (int y = 0; y <= quads; ++y)
+    for (int x = 0; x <= quads; ++x) cage.points.emplace_back(at(x), at(y), 0);
+  for (int y = 0; y < quads; ++y)
+    for (int x = 0; x < quads; ++x) {
+      const int corner = x + (quads + 1) * y;
+      cage.faces.push_back({corner, corner + 1, corner + quads + 2, corner + quads + 1});
+    }
+  return cage;
+}
+
+/// Clay, hand and all that a frame needs.
+struct Workshop {
+  Workshop(const PolygonMesh& cage, SolveRows rows, const HandModel& hand, int levels = 2)
+      : grid(contactGrid(hand.skin)),
+        clay(testGpu(), ClayState{cage, SubdivisionRule::kCatmullClark, levels, rows}, Vec3::Zero()),
+        sculptor(testGpu(), clay, grid),
+        fit(testGpu(), 1, Memory::kHost),
+        recorder(testGpu()) {}
+
+  ClayStep frame(const GpuFit& hand_fit, const SculptControls& controls) {
+    fit.host()[0] = hand_fit;
+    recorder.begin();
+    sculptor.record(recorder, fit, controls);
+    recorder.submitAndWait();
+    EXPECT_TRUE(hazards(recorder.commands()).empty());
+    if (sculptor.needsHost()) {
+      sculptor.finishOnHost(recorder);
+      EXPECT_TRUE(hazards(recorder.commands()).empty());
+    }
+    return sculptor.step();
+  }
+  std::vector<Vec3> surface() const { return clay.surface().points; }
+
+  DistanceGrid grid;
+  Clay clay;
+  Sculptor sculptor;
+  Buffer<GpuFit> fit;
+  Recorder recorder;
+};
+
+double volume(const PolygonMesh& mesh) {
+  double volume_m3 = 0;
+  for (const std::vector<int>& face : mesh.faces)
+    for (std::size_t k = 1; k + 1 < face.size(); ++k)
+      volume_m3 += mesh.points[std::size_t(face[0])].dot(
+                       mesh.points[std::size_t(face[k])].cross(mesh.points[std::size_t(face[k + 1])])) /
+                   6;
+  return volume_m3;
+}
+
+double largestMove(
+    const std::vector<Vec3>& before, const std::vector<Vec3>& after,
+    const std::function<bool(const Vec3&)>& which = [](const Vec3&) { return true; }) {
+  double largest_m = 0;
+  for (std::size_t i = 0; i < before.size(); ++i)
+    if (which(before[i])) largest_m = std::max(largest_m, (after[i] - before[i]).norm());
+  return largest_m;
+}
+
+/// The surface's points that lie within the grip's reach of a ball.
+std::vector<std::size_t> within(const std::vector<Vec3>& points, const Vec3& center) {
+  std::vector<std::size_t> found;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if ((points[i] - center).norm() <= kBallRadius_m + double(kGripReach_m)) found.push_back(i);
+  return found;
+}
+
+SculptControls with(Tool tool, const Symmetry& symmetry = {}, bool held = true) {
+  return {.tool = tool, .symmetry = symmetry, .held = held};
+}
+
+TEST(Tools, PullCarriesTheGrippedPatchAndLeavesTheFarSide) {
+  for (const SolveRows rows : kBothSolves) {
+    Workshop workshop(ballCage(1), rows, ballHand(kBallRadius_m));
+    const std::vector<Vec3> before = workshop.surface();
+    const double edge = before[within(before, Vec3(0.12, 0, 0)).front()].norm();
+    const Vec3 start(edge + kBallRadius_m + 0.002, 0.004, 0.001);
+    const std::vector<std::size_t> held = within(before, start);
+    ASSERT_GE(held.size(), 3u);
+    EXPECT_EQ(workshop.frame(fitAt(start), with(Tool::kPull)).touched, int(held.size()));
+    EXPECT_EQ(largestMove(before, workshop.surface()), 0) << "taking hold moves nothing";
+    // 3 cm away and a little up, turning by 0.3 rad
+    for (int i = 1; i <= 15; ++i) {
+      const Vec3 shift = i / 15.0 * Vec3(0.028, 0, 0.01);
+      const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.02 * i, Vec3::UnitX()));
+      const ClayStep step = workshop.frame(fitAt(start + shift, turn), with(Tool::kPull));
+      EXPECT_EQ(step.touched, int(held.size())) << "no more, no less";
+      const std::vector<Vec3> now = workshop.surface();
+      for (const std::size_t point : held)
+        EXPECT_LT((now[point] - (start + shift + turn * (before[point] - start))).norm(), 0.001) << i;
+    }
+    EXPECT_LT(largestMove(before, workshop.surface(), [](const Vec3& p) { return p.x() < -0.03; }), 0.001);
+  }
+}
+
+TEST(Tools, PullLetsGoWithTheClutchTheToolAndTheHand) {
+  const Vec3 start(0.13, 0, 0), away(0.16, 0, 0);
+  const auto pulled = [&](const std::function<void(Workshop&)>& between) {
+    Workshop workshop(ballCage(1), SolveRows::kAll, ballHand(kBallRadius_m));
+    workshop.frame(fitAt(start), with(Tool::kPull));
+    workshop.frame(fitAt(start + Vec3(0.002, 0, 0)), with(Tool::kPull));
+    between(workshop);
+    const std::vector<Vec3> before = workshop.surface();
+    const int touched = workshop.frame(fitAt(away), with(Tool::kPull)).touched;
+    workshop.frame(fitAt(away + Vec3(0.01, 0, 0)), with(Tool::kPull));
+    return std::pair(touched, largestMove(before, workshop.surface()));
+  };
+  EXPECT_GT(pulled([](Workshop&) {}).second, 0.02) << "nothing let go";
+  const GpuFit there = fitAt(start + Vec3(0.004, 0, 0));
+  for (const std::function<void(Workshop&)>& between : std::vector<std::function<void(Workshop&)>>{
+           [&](Workshop& w) { w.frame(there, with(Tool::kPull, {}, false)); },
+           [&](Workshop& w) { w.frame(there, with(Tool::kPush)); },
+           [&](Workshop& w) { w.frame(there, with(Tool::kSmooth)); },
+           [&](Workshop& w) { w.frame(lostFit(), with(Tool::kPull)); },
+           [&](Workshop& w) { w.sculptor.forget(); }}) {
+    const auto [touched, moved_m] = pulled(between);
+    EXPECT_EQ(touched, 0) << "the hand is 3 cm off";
+    EXPECT_EQ(moved_m, 0);
+  }
+}
+
+TEST(Tools, PullTakesHoldWhereTheHandFirstTouches) {
+  Workshop workshop(ballCage(1), SolveRows::kAll, ballHand(kBallRadius_m));
+  const std::vector<Vec3> before = workshop.surface();
+  EXPECT_EQ(workshop.frame(fitAt(Vec3(0.2, 0, 0)), with(Tool::kPull)).touched, 0);
+  EXPECT_EQ(workshop.frame(fitAt(Vec3(0.16, 0, 0)), with(Tool::kPull)).touched, 0);
+  const Vec3 touch(0.128, 0, 0);
+  const int held = workshop.frame(fitAt(touch), with(Tool::kPull)).touched;
+  EXPECT_EQ(held, int(within(before, touch).size()));
+  EXPECT_GT(held, 0);
+  EXPECT_EQ(largestMove(before, workshop.surface()), 0);
+  // it goes along the surface, and gathers no more
+  for (int i = 1; i <= 5; ++i)
+    EXPECT_EQ(workshop.frame(fitAt(touch + Vec3(0, 0.004 * i, 0)), with(Tool::kPull)).touched, held);
+  EXPECT_GT(largestMove(before, workshop.surface()), 0.018);
+}
+
+/// RMS of the distances from the ball that fits best about the origin.
+double roughness(const std::vector<Vec3>& points) {
+  double mean = 0, square = 0;
+  for (const Vec3& point : points) mean += point.norm() / double(points.size());
+  for (const Vec3& point : points) square += std::pow(point.norm() - mean, 2) / double(points.size());
+  return std::sqrt(square);
+}
+
+TEST(Tools, SmoothTakesTheBumpsAndLeavesTheBall) {
+  for (const SolveRows rows : kBothSolves) {
+    PolygonMesh cage = ballCage(1);
+    for (Vec3& point : cage.points) point *= 0.06 / point.norm();
+    const PolygonMesh even = cage;
+    // dents of a fingertip's width: four control points to a wave
+    for (Vec3& point : cage.points)
+      point *= 1 + 0.05 * std::sin(6 * std::atan2(point.y(), point.x())) *
+                       std::sin(6 * std::acos(point.z() / point.norm()));
+    for (const bool bumpy : {true, false}) {
+      // a hand that holds all of the ball
+      Workshop workshop(bumpy ? cage : even, rows, ballHand(0.07));
+      const PolygonMesh before = workshop.clay.surface();
+      workshop.frame(fitAt(Vec3::Zero()), with(Tool::kSmooth));
+      EXPECT_EQ(largestMove(before.points, workshop.surface()), 0) << "the first frame is the hand's coming";
+      for (int i = 0; i < 30; ++i) {
+        const ClayStep step = workshop.frame(fitAt(Vec3::Zero()), with(Tool::kSmooth));
+        EXPECT_LE(step.repeats, int(kRelaxRepeats));
+        if (i == 0) {
+          EXPECT_GT(step.touched, int(before.points.size()) * 9 / 10) << "the others' way is zero";
+        }
+      }
+      const PolygonMesh after = workshop.clay.surface();
+      std::cout << (bumpy ? "bumpy" : "even") << " ball: roughness " << 1000 * roughness(before.points)
+                << " -> " << 1000 * roughness(after.points) << " mm, volume x "
+                << volume(after) / volume(before) << '\n';
+      EXPECT_NEAR(volume(after) / volume(before), 1, 0.02);
+      if (bumpy) {
+        EXPECT_LT(roughness(after.points), 0.5 * roughness(before.points));
+      } else {
+        EXPECT_LT(largestMove(before.points, after.points), 0.001);
+      }
+    }
+  }
+}
+
+TEST(Tools, SmoothGoesAsFarInASecondAtAnyFrameRate) {
+  PolygonMesh cage = ballCage(1);
+  for (std::size_t i = 0; i < cage.points.size(); ++i)
+    cage.points[i] *= (0.06 / cage.points[i].norm()) * (1 + 0.05 * std::sin(7.3 * double(i * i)));
+  std::vector<std::vector<Vec3>> ends;
+  double moved_m = 0;
+  for (const int frames : {10, 40}) {
+    Workshop workshop(cage, SolveRows::kAll, ballHand(0.07));
+    const std::vector<Vec3> before = workshop.surface();
+    SculptControls controls = with(Tool::kSmooth);
+    controls.frame_s = 0.2 / frames;
+    for (int i = 0; i <= frames; ++i) workshop.frame(fitAt(Vec3::Zero()), controls);
+    ends.push_back(workshop.surface());
+    moved_m = largestMove(before, ends.back());
+  }
+  EXPECT_LT(largestMove(ends[0], ends[1]), 0.1 * moved_m);
+}
+
+TEST(Tools, SmoothKeepsToTheHandsReach) {
+  Workshop workshop(sheetCage(16), SolveRows::kTouched, ballHand(kBallRadius_m));
+  std::vector<Vec3> points = workshop.clay.cage().points;
+  for (std::size_t i = 0; i < points.size(); ++i) points[i].z() += i % 2 == 0 ? 0.003 : -0.003;
+  workshop.clay.setControlPoints(points);
+  const std::vector<Vec3> before = workshop.surface();
+  for (int i = 0; i < 10; ++i) workshop.frame(fitAt(Vec3(0, 0, kBallRadius_m)), with(Tool::kSmooth));
+  const std::vector<Vec3> after = workshop.surface();
+  const auto off_axis = [](const Vec3& p) { return p.head<2>().norm(); };
+  EXPECT_GT(largestMove(before, after, [&](const Vec3& p) { return off_axis(p) < 0.01; }), 0.0003);
+  // three control points, a cage's stencil, beyond the reach
+  EXPECT_EQ(largestMove(before, after, [&](const Vec3& p) { return off_axis(p) > 0.04 + 4 * 0.0125; }), 0);
+}
+
+TEST(Tools, SmoothLeavesAFlatSheetInItsPlaneAndAnEvenTubeWithItsRims) {
+  for (const SolveRows rows : kBothSolves) {
+    Workshop sheet(sheetCage(8), rows, boxHand({0.3, 0.3, 0.01}));
+    Workshop tube(presetCage("tube"), rows, boxHand({0.2, 0.2, 0.25}));
+    const std::vector<Vec3> before = tube.surface();
+    for (int i = 0; i < 30; ++i) {
+      sheet.frame(fitAt(Vec3::Zero()), with(Tool::kSmooth));
+      tube.frame(fitAt(Vec3::Zero()), with(Tool::kSmooth));
+    }
+    for (const Vec3& point : sheet.surface()) EXPECT_LT(std::abs(point.z()), 1e-9);
+    EXPECT_LT(largestMove(before, tube.surface()), 0.0001);
+  }
+}
+
+TEST(Tools, SmoothEvensADentedRimAsACurve) {
+  for (const SolveRows rows : kBothSolves) {
+    PolygonMesh cage = presetCage("tube");
+    double top = 0;
+    for (const Vec3& point : cage.points) top = std::max(top, point.z());
+    bool up = false;
+    for (Vec3& point : cage.points)
+      if (point.z() > top - 1e-6) point.z() += (up = !up) ? 0.008 : -0.008;
+    Workshop tube(cage, rows, boxHand({0.2, 0.2, 0.3}));
+    const auto rimWave = [&] {
+      // the rim's points are those that only one or two quads adjoin
+      const SurfaceNeighbours neighbours =
+          surfaceNeighbours(tube.clay.subdivision().quads, std::size_t(tube.clay.dataPointCount()));
+      const std::vector<Vec3> points = tube.surface();
+      double low = 1, high = -1;
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        if (neighbours.borders[i] == 0 || points[i].z() < 0) continue;
+        low = std::min(low, points[i].z());
+        high = std::max(high, points[i].z());
+      }
+      return high - low;
+    };
+    const double before = rimWave();
+    for (int i = 0; i < 30; ++i) tube.frame(fitAt(Vec3::Zero()), with(Tool::kSmooth));
+    EXPECT_GT(before, 0.004);
+    EXPECT_LT(rimWave(), 0.5 * before);
+  }
+}
+
+/// How far the surface is from its mirror image, point to nearest point.
+double asymmetry(const std::vector<Vec3>& points, const Vec3& signs) {
+  double largest_m = 0;
+  for (const Vec3& point : points) {
+    double nearest_m = 1;
+    for (const Vec3& other : points)
+      nearest_m = std::min(nearest_m, (other - signs.cwiseProduct(point)).norm());
+    largest_m = std::max(largest_m, nearest_m);
+  }
+  return largest_m;
+}
+
+TEST(Tools, ASymmetricCageStaysSymmetricUnderEveryTool) {
+  const HandModel hand = ballHand(kBallRadius_m);
+  for (const SolveRows rows : kBothSolves)
+    for (const Tool tool : {Tool::kPush, Tool::kPull, Tool::kSmooth})
+      for (const Symmetry& symmetry : {Symmetry{true, false, false}, Symmetry{true, true, true}}) {
+        PolygonMesh cage = presetCage("ball");
+        for (Vec3& point : cage.points) point.x() *= 1.2;
+        Workshop workshop(cage, rows, hand);
+        const std::vector<Vec3> before = workshop.surface();
+        for (int i = 0; i <= 12; ++i) {
+          // over the side and across the planes of symmetry
+          const double out = tool == Tool::kPull ? 0.125 + 0.002 * i : 0.14 - 0.003 * i;
+          workshop.frame(fitAt(Vec3(0.03 - 0.005 * i, out, 0.01 - 0.002 * i)), with(tool, symmetry));
+        }
+        const std::vector<Vec3> after = workshop.surface();
+        EXPECT_GT(largestMove(before, after), tool == Tool::kSmooth ? 0.00005 : 0.01);
+        EXPECT_LT(asymmetry(after, Vec3(-1, 1, 1)), 1e-6);
+        if (!symmetry.y) {
+          EXPECT_GT(asymmetry(after, Vec3(1, -1, 1)), 1e-5) << "and in no other axis";
+          continue;
+        }
+        EXPECT_LT(asymmetry(after, Vec3(1, -1, 1)), 1e-6);
+        EXPECT_LT(asymmetry(after, Vec3(1, 1, -1)), 1e-6);
+      }
+}
+
+TEST(Tools, ThePlanesOfSymmetryTurnWithTheClay) {
+  // clay and hand turned alike: the same shape, turned; the clay that lies as it did is the truth
+  const HandModel hand = ballHand(kBallRadius_m);
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()));
+  PolygonMesh cage = presetCage("ball");
+  for (Vec3& point : cage.points) point.x() *= 1.2;
+  const auto sculpt = [&](Workshop& workshop, const Eigen::Quaterniond& by, Tool tool) {
+    for (int i = 0; i <= 12; ++i) {
+      const double out = tool == Tool::kPull ? 0.125 + 0.002 * i : 0.14 - 0.003 * i;
+      const Vec3 place(0.03 - 0.001 * i, out, 0.01 - 0.002 * i);
+      const Eigen::Quaterniond rotation(Eigen::AngleAxisd(0.02 * i, Vec3::UnitX()));
+      workshop.frame(fitAt(by * place, by * rotation), with(tool, {true, true, false}));
+    }
+    std::vector<Vec3> surface = workshop.surface();
+    for (Vec3& point : surface) point = by.conjugate() * point;
+    return surface;
+  };
+  for (const SolveRows rows : kBothSolves)
+    for (const Tool tool : {Tool::kPush, Tool::kPull, Tool::kSmooth}) {
+      Workshop lying(cage, rows, hand), turned(cage, rows, hand), moved(cage, rows, hand);
+      const std::vector<Vec3> before = lying.surface();
+      const std::vector<Vec3> truth = sculpt(lying, Eigen::Quaterniond::Identity(), tool);
+      EXPECT_GT(largestMove(before, truth), tool == Tool::kSmooth ? 0.00005 : 0.01);
+      turned.clay.turn(turn);
+      const std::vector<Vec3> found = sculpt(turned, turn, tool);
+      EXPECT_LT(largestMove(truth, found), 1e-5);
+      EXPECT_LT(asymmetry(found, Vec3(-1, 1, 1)), 1e-6);
+      EXPECT_LT(asymmetry(found, Vec3(1, -1, 1)), 1e-6);
+      // points of the same places about the workspace's own planes are not
+      std::vector<Vec3> points = cage.points;
+      for (Vec3& point : points) point = turn * point;
+      moved.clay.setControlPoints(points);
+      EXPECT_GT(asymmetry(sculpt(moved, turn, tool), Vec3(1, -1, 1)), 2e-5);
+    }
+}
+
+TEST(Tools, SymmetryOnAnyMeshDoesBothSidesAsTheMirroredHandWould) {
+  // a cage without symmetry of its own: the mirrored stroke is that of a mirrored hand on it
+  PolygonMesh cage = ballCage(1);
+  for (std::size_t i = 0; i < cage.points.size(); ++i) cage.points[i] *= 1 + 0.02 * std::sin(double(i * i));
+  const HandModel hand = ballHand(kBallRadius_m);
+  for (const Tool tool : {Tool::kPush, Tool::kPull}) {
+    std::vector<std::vector<Vec3>> surfaces;
+    for (const double side : {1.0, -1.0, 0.0}) {  // 0: both, by symmetry
+      Workshop workshop(cage, SolveRows::kTouched, hand);
+      for (int i = 0; i <= 8; ++i) {
+        const double out = tool == Tool::kPull ? 0.125 + 0.002 * i : 0.14 - 0.003 * i;
+        workshop.frame(fitAt(Vec3(side < 0 ? -out : out, 0.01, 0)), with(tool, {side == 0, false, false}));
+      }
+      surfaces.push_back(workshop.surface());
+    }
+    const std::vector<Vec3> before =
+        dataPoints(subdivide(cage, 2, SubdivisionRule::kCatmullClark).matrix, cage.points);
+    const auto right = [](const Vec3& p) { return p.x() > 0.05; };
+    const auto left = [](const Vec3& p) { return p.x() < -0.05; };
+    EXPECT_GT(largestMove(before, surfaces[2], right), 0.008);
+    EXPECT_GT(largestMove(before, surfaces[2], left), 0.008);
+    // the two strokes' rows are far from each other, so each is as if it were alone, but for when repeats end
+    EXPECT_LT(largestMove(surfaces[0], surfaces[2], right), 0.0015);
+    EXPECT_LT(largestMove(surfaces[1], surfaces[2], left), 0.0015);
+  }
+}
+
+TEST(Tools, SwitchingInTheMiddleJumpsNowhere) {
+  for (const SolveRows rows : kBothSolves) {
+    Workshop workshop(ballCage(1), rows, ballHand(kBallRadius_m));
+    // the hand stays, half in the clay: no switch moves anything but smoothing, which does little in a frame
+    const GpuFit still = fitAt(Vec3(0.11, 0, 0));
+    workshop.frame(still, with(Tool::kPush));
+    const std::vector<Vec3> before = workshop.surface();
+    for (int i = 0; i < 3; ++i)
+      for (const Tool tool : {Tool::kPull, Tool::kPush, Tool::kPull})
+        for (const Symmetry& symmetry :
+             {Symmetry{}, Symmetry{true, true, true}, Symmetry{false, true, false}}) {
+          workshop.frame(still, with(tool, symmetry));
+          workshop.frame(still, with(tool, symmetry));
+        }
+    EXPECT_LT(largestMove(before, workshop.surface()), 1e-5);
+    workshop.frame(still, with(Tool::kSmooth));
+    workshop.frame(still, with(Tool::kSmooth));
+    EXPECT_LT(largestMove(before, workshop.surface()), 0.0005);
+  }
+}
+
+TEST(Tools, AnOpenSheetIsPulledBySymmetricHands) {
+  for (const SolveRows rows : kBothSolves) {
+    Workshop workshop(sheetCage(12), rows, ballHand(kBallRadius_m));
+    const std::vector<Vec3> before = workshop.surface();
+    for (int i = 0; i <= 10; ++i)
+      workshop.frame(fitAt(Vec3(0.06, 0, 0.032 + 0.002 * i)), with(Tool::kPull, {true, false, false}));
+    const std::vector<Vec3> after = workshop.surface();
+    EXPECT_LT(asymmetry(after, Vec3(-1, 1, 1)), 1e-6);
+    double right = 0, left = 0;
+    for (const Vec3& point : after) {
+      if ((point - Vec3(0.06, 0, 0)).head<2>().norm() < 0.005) right = std::max(right, point.z());
+      if ((point - Vec3(-0.06, 0, 0)).head<2>().norm() < 0.005) left = std::max(left, point.z());
+    }
+    EXPECT_NEAR(right, 0.02, 0.001);
+    EXPECT_NEAR(left, 0.02, 0.001);
+  }
+}
+
+}  // namespace
+}  // namespace airclay

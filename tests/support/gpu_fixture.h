@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+// The device that all tests share: with the validation layer, synchronization checks, and guard words around
+// every buffer. A validation message or a damaged guard fails the test in which it came
+// (tests/support/main.cpp).
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include "engine/gpu/gpu.h"
+
+namespace airclay {
+
+/// Made on first use, destroyed after the last test.
+Gpu& testGpu();
+
+}  // namespace airclay
