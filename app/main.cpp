@@ -80,7 +80,7 @@ int run(int argc, char** argv) {
   } catch (const CLI::Success& wanted) {  // --help, --version
     return program.exit(wanted);
   } catch (const CLI::ParseError& error) {
-    warn(error.what() + std::string("; `airclay ") + argv[1] + " --help` says more");
+    printWarning(error.what() + std::string("; `airclay ") + argv[1] + " --help` says more");
     return static_cast<int>(Fault::kUsage);
   }
 }
@@ -94,15 +94,15 @@ int main(int argc, char** argv) {
     if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return status;
     throw airclay::Error(std::string("standard output cannot be written: ") + std::strerror(errno));
   } catch (const airclay::Interrupted& interrupted) {
-    airclay::warn("interrupted");
+    airclay::printWarning("interrupted");
     return 128 + interrupted.signal;
   } catch (const airclay::Error& error) {
-    airclay::warn(error.what());
+    airclay::printWarning(error.what());
     return static_cast<int>(error.fault());
   } catch (const std::bad_alloc&) {
-    airclay::warn("out of memory; fewer voxels, a lower level or a smaller file would need less");
+    airclay::printWarning("out of memory; fewer voxels, a lower level or a smaller file would need less");
   } catch (const std::exception& error) {
-    airclay::warn(error.what());
+    airclay::printWarning(error.what());
   }
   return static_cast<int>(airclay::Fault::kInput);
 }

@@ -9,11 +9,11 @@
 
 namespace airclay {
 
-Pipeline::MadeClay::MadeClay(Gpu& gpu, const ClayState& state, const Vec3& workspace_center,
+Pipeline::PreparedClay::PreparedClay(Gpu& gpu, const ClayState& state, const Vec3& workspace_center,
                              const DistanceGrid& hand)
     : clay_(std::make_unique<Clay>(gpu, state, workspace_center)),
       sculptor_(std::make_unique<Sculptor>(gpu, *clay_, hand)) {}
-Pipeline::MadeClay::~MadeClay() = default;
+Pipeline::PreparedClay::~PreparedClay() = default;
 
 struct Pipeline::Parts {
   Parts(Gpu& gpu_, const Rig& rig, const HandModel& hand_model, const PipelineOptions& options,
@@ -23,20 +23,20 @@ struct Pipeline::Parts {
         given_frames(gpu, options.time_every),
         hand(hand_model),
         gpu_rig(gpu, rig),
-        pictures(gpu, gpu_rig.pictureWords(), Memory::kHost),
+        images(gpu, gpu_rig.imageWords(), Memory::kHost),
         silhouettes(gpu, gpu_rig),
         carver(gpu, gpu_rig, options.voxels),
         tracker(gpu, gpu_rig, hand, carver),
         given_hand(gpu, 1, Memory::kHost),
         recorder(gpu) {
-    if (clay_state) setClay(makeClay(*clay_state));
+    if (clay_state) setClay(prepareClay(*clay_state));
   }
 
   Gpu& gpu;
   TimingPlan seen_frames, given_frames;
   HandModel hand;
   GpuRig gpu_rig;
-  Buffer<std::uint32_t> pictures;
+  Buffer<std::uint32_t> images;
   Silhouettes silhouettes;
   Carver carver;
   HandTracker tracker;
@@ -48,21 +48,21 @@ struct Pipeline::Parts {
   bool hand_was_given = false;      ///< in the last frame
   Recorder recorder;
 
-  std::unique_ptr<MadeClay> makeClay(const ClayState& state) {
+  std::unique_ptr<PreparedClay> prepareClay(const ClayState& state) {
     if (!contact_grid) contact_grid = contactGrid(hand.skin);
-    return std::make_unique<MadeClay>(gpu, state, gpu_rig.rig().workspace.center, *contact_grid);
+    return std::make_unique<PreparedClay>(gpu, state, gpu_rig.rig().workspace.center, *contact_grid);
   }
 
-  void setClay(std::unique_ptr<MadeClay> made) {
+  void setClay(std::unique_ptr<PreparedClay> made) {
     sculptor = made ? std::move(made->sculptor_) : nullptr;  // before the clay that it refers to goes
     clay = made ? std::move(made->clay_) : nullptr;
   }
 
-  /// A camera at a time: a window's pictures find room between.
+  /// A camera at a time: a window's images find room between.
   void learn() {
     for (std::uint32_t camera = 0; camera < gpu_rig.cameraCount(); ++camera) {
       recorder.begin();
-      silhouettes.recordLearning(recorder, pictures, {camera, 1});
+      silhouettes.recordLearning(recorder, images, {camera, 1});
       recorder.submitAndWait();
     }
     background_changed = true;
@@ -78,17 +78,17 @@ struct Pipeline::Parts {
     background_changed = false;
   }
 
-  /// From what is seen to the voxel model. The masks are there already, or come from the pictures.
-  void recordHull(bool from_pictures, std::uint32_t absent = 0) {
-    if (from_pictures) {
+  /// From what is seen to the voxel model. The masks are there already, or come from the images.
+  void recordHull(bool from_images, std::uint32_t missing_cameras = 0) {
+    if (from_images) {
       if (!silhouettes.learned())
         throw Error(
-            "the empty workspace has not been learned: give background pictures or empty first frames");
+            "the empty workspace has not been learned: give background images or empty first frames");
       recorder.stage("silhouette");
-      silhouettes.record(recorder, pictures);
+      silhouettes.record(recorder, images);
     }
     recorder.stage("carve");
-    carver.record(recorder, silhouettes.masks(), absent);
+    carver.record(recorder, silhouettes.masks(), missing_cameras);
   }
 
   /// From the voxel model to the new surface.
@@ -117,16 +117,16 @@ struct Pipeline::Parts {
 
   /// The whole line. A frame whose last pose holds is one submission; a search has several of its own.
   /// Without controls the clay is left out.
-  FrameResult process(bool from_pictures, const std::optional<SculptControls>& controls,
-                      std::uint32_t absent = 0) {
+  FrameResult process(bool from_images, const std::optional<SculptControls>& controls,
+                      std::uint32_t missing_cameras = 0) {
     FrameResult result;
     const auto start = Clock::now();
     if (controls) takeHandFrom(false);
     const bool following = tracker.hasPose();
-    if (from_pictures) finishBackground();
+    if (from_images) finishBackground();
     const Timing timing = seen_frames.next();
     recorder.begin(timing);
-    recordHull(from_pictures, absent);
+    recordHull(from_images, missing_cameras);
     if (following) recordHandAndClay(controls);
     submit(result);
 
@@ -185,10 +185,10 @@ struct Pipeline::Parts {
     gpu_rig.pack(masks, silhouettes.masks().host());
   }
 
-  void hull(bool from_pictures) {
-    if (from_pictures) finishBackground();
+  void hull(bool from_images) {
+    if (from_images) finishBackground();
     recorder.begin(Timing::kNone);
-    recordHull(from_pictures);
+    recordHull(from_images);
     recorder.submitAndWait();
   }
 };
@@ -198,11 +198,11 @@ Pipeline::Pipeline(Gpu& gpu, const Rig& rig, const HandModel& hand, const Pipeli
     : parts_(std::make_unique<Parts>(gpu, rig, hand, options, clay)) {}
 Pipeline::~Pipeline() = default;
 
-std::span<std::uint8_t> Pipeline::picture(std::size_t camera) {
-  return parts_->gpu_rig.picture(parts_->pictures.host(), camera);
+std::span<std::uint8_t> Pipeline::image(std::size_t camera) {
+  return parts_->gpu_rig.image(parts_->images.host(), camera);
 }
 
-void Pipeline::forgetBackground() {
+void Pipeline::resetBackground() {
   parts_->silhouettes.forget();
   parts_->background_changed = false;
 }
@@ -211,12 +211,12 @@ void Pipeline::learnBackground() {
   parts_->learn();
 }
 
-FrameResult Pipeline::processPictures(const SculptControls& controls) {
+FrameResult Pipeline::processImages(const SculptControls& controls) {
   return parts_->process(true, controls);
 }
 
-FrameResult Pipeline::trackPictures(std::uint32_t absent) {
-  return parts_->process(true, std::nullopt, absent);
+FrameResult Pipeline::trackImages(std::uint32_t missing_cameras) {
+  return parts_->process(true, std::nullopt, missing_cameras);
 }
 
 FrameResult Pipeline::trackMasks(const std::vector<Mask>& masks) {
@@ -234,18 +234,18 @@ FrameResult Pipeline::sculptWith(const Pose& world_from_hand, const SculptContro
 }
 
 void Pipeline::setClay(const std::optional<ClayState>& clay) {
-  parts_->setClay(clay ? parts_->makeClay(*clay) : nullptr);
+  parts_->setClay(clay ? parts_->prepareClay(*clay) : nullptr);
 }
 
-std::unique_ptr<Pipeline::MadeClay> Pipeline::makeClay(const ClayState& clay) {
-  return parts_->makeClay(clay);
+std::unique_ptr<Pipeline::PreparedClay> Pipeline::prepareClay(const ClayState& clay) {
+  return parts_->prepareClay(clay);
 }
 
-void Pipeline::setClay(std::unique_ptr<MadeClay> made) {
+void Pipeline::setClay(std::unique_ptr<PreparedClay> made) {
   parts_->setClay(std::move(made));
 }
 
-void Pipeline::hullFromPictures() {
+void Pipeline::hullFromImages() {
   parts_->hull(true);
 }
 
@@ -254,11 +254,11 @@ void Pipeline::hullFromMasks(const std::vector<Mask>& masks) {
   parts_->hull(false);
 }
 
-void Pipeline::forgetGivenHand() {
+void Pipeline::resetGivenHand() {
   if (parts_->sculptor) parts_->sculptor->forget();
 }
 
-void Pipeline::forgetHand() {
+void Pipeline::resetTracking() {
   parts_->tracker.forget();
   if (parts_->sculptor) parts_->sculptor->forget();
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The way of the data, as every command and the window call it:
 //
-//     pictures -> silhouettes -> voxel model -> hand pose -> contact -> control points -> surface
+//     images -> silhouettes -> voxel model -> hand pose -> contact -> control points -> surface
 //
 // A tracked frame is one submission to the device.
 #pragma once
@@ -29,7 +29,7 @@ struct PipelineOptions {
 };
 
 enum class HandState {
-  kEmpty,  ///< nobody there: too little in the picture to be a hand
+  kEmpty,  ///< nobody there: too little in the image to be a hand
   kTracked,
   kLost,  ///< something is there, but no pose explains it
 };
@@ -54,28 +54,28 @@ class Pipeline {
   Pipeline(const Pipeline&) = delete;
   Pipeline& operator=(const Pipeline&) = delete;
 
-  /// Where camera `camera`'s next picture goes: tightly packed BGR, 3 bytes a pixel, in memory that the
+  /// Where camera `camera`'s next image goes: tightly packed BGR, 3 bytes a pixel, in memory that the
   /// kernels read.
-  std::span<std::uint8_t> picture(std::size_t camera);
-  /// The pictures now in memory show the empty workspace.
+  std::span<std::uint8_t> image(std::size_t camera);
+  /// The images now in memory show the empty workspace.
   void learnBackground();
   /// The empty workspace is another one by now; it is to be learned anew.
-  void forgetBackground();
-  /// The pictures now in memory, through all stages.
+  void resetBackground();
+  /// The images now in memory, through all stages.
   /// \pre learnBackground() was called
-  FrameResult processPictures(const SculptControls& controls = {});
+  FrameResult processImages(const SculptControls& controls = {});
   /// The same from masks that are used as they are, one a camera.
   FrameResult processMasks(const std::vector<Mask>& masks, const SculptControls& controls = {});
   /// The hand alone: for whoever looks at the pose before it sculpts with sculptWith().
-  /// Cameras whose bits are in `absent` have no picture of this instant, and no say.
-  FrameResult trackPictures(std::uint32_t absent = 0);
+  /// Cameras whose bits are in `absent` have no image of this instant, and no say.
+  FrameResult trackImages(std::uint32_t missing_cameras = 0);
   FrameResult trackMasks(const std::vector<Mask>& masks);
   /// A frame without cameras: the hand is where the caller says, and only the clay's stage runs. The tracker
   /// is left alone. Between such a frame and one with cameras the hand's way is not known, so the clay
   /// doesn't move in the first of either. Without clay nothing moves.
   FrameResult sculptWith(const Pose& world_from_hand, const SculptControls& controls = {});
-  /// Silhouettes and voxel model alone, of the pictures in memory or of masks.
-  void hullFromPictures();
+  /// Silhouettes and voxel model alone, of the images in memory or of masks.
+  void hullFromImages();
   void hullFromMasks(const std::vector<Mask>& masks);
 
   /// Replaces the clay, or takes it away; references to the old one hold no more. The tracker goes on. For
@@ -84,23 +84,23 @@ class Pipeline {
   void setClay(const std::optional<ClayState>& clay);
   /// The same in two steps: making the clay takes long where it is large, and may be cancelled
   /// (engine/core/task.h); putting it in the old one's place does not. \throw Error as Clay
-  class MadeClay {
+  class PreparedClay {
    public:
-    MadeClay(Gpu& gpu, const ClayState& state, const Vec3& workspace_center, const DistanceGrid& hand);
-    ~MadeClay();
+    PreparedClay(Gpu& gpu, const ClayState& state, const Vec3& workspace_center, const DistanceGrid& hand);
+    ~PreparedClay();
 
    private:
     friend class Pipeline;
     std::unique_ptr<Clay> clay_;
     std::unique_ptr<Sculptor> sculptor_;
   };
-  std::unique_ptr<MadeClay> makeClay(const ClayState& clay);
-  void setClay(std::unique_ptr<MadeClay> made);
+  std::unique_ptr<PreparedClay> prepareClay(const ClayState& clay);
+  void setClay(std::unique_ptr<PreparedClay> made);
 
   /// There was no hand to give: the next sculptWith() starts anew.
-  void forgetGivenHand();
+  void resetGivenHand();
   /// Forgets the hand: the next frame searches again.
-  void forgetHand();
+  void resetTracking();
 
   const Rig& rig() const;
   const HandModel& hand() const;

@@ -30,7 +30,7 @@ bool isSource(const fs::path& file) {
 }
 
 /// `file` relative to the source folder, '/' between folders.
-std::string relative(const fs::path& file) {
+std::string sourcePath(const fs::path& file) {
   return file.lexically_relative(kSource).generic_string();
 }
 
@@ -38,7 +38,7 @@ std::vector<fs::path> sources() {
   std::vector<fs::path> files;
   for (const char* top : {"shaders", "engine", "capture", "app"})
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(kSource / top))
-      if (isSource(entry.path()) && !relative(entry.path()).starts_with("app/examples"))
+      if (isSource(entry.path()) && !sourcePath(entry.path()).starts_with("app/examples"))
         files.push_back(entry.path());
   return files;
 }
@@ -62,8 +62,8 @@ TEST(Layers, EveryFolderHasAPlaceInTheOrder) {
   const std::map<std::string, int> order = layers();
   ASSERT_GE(sources().size(), 300u);
   for (const fs::path& file : sources())
-    EXPECT_TRUE(order.contains(folderOf(relative(file))))
-        << relative(file) << ": its folder is not in AIRCLAY_LAYERS";
+    EXPECT_TRUE(order.contains(folderOf(sourcePath(file))))
+        << sourcePath(file) << ": its folder is not in AIRCLAY_LAYERS";
 }
 
 TEST(Layers, AFolderIncludesOnlyItselfAndFoldersBeforeIt) {
@@ -71,9 +71,10 @@ TEST(Layers, AFolderIncludesOnlyItselfAndFoldersBeforeIt) {
   std::size_t checked = 0;
   for (const fs::path& file : sources()) {
     for (const std::string& include : includesOf(file)) {
-      const auto from = order.find(folderOf(relative(file))), to = order.find(folderOf(include));
-      ASSERT_TRUE(from != order.end() && to != order.end()) << relative(file) << " includes " << include;
-      EXPECT_LE(to->second, from->second) << relative(file) << " includes " << include << ", a later layer";
+      const auto from = order.find(folderOf(sourcePath(file)));
+      const auto to = order.find(folderOf(include));
+      ASSERT_TRUE(from != order.end() && to != order.end()) << sourcePath(file) << " includes " << include;
+      EXPECT_LE(to->second, from->second) << sourcePath(file) << " includes " << include << ", a later layer";
       ++checked;
     }
   }

@@ -29,19 +29,19 @@ struct Session {
   Synthetic recording;
   HandModel hand = builtInHand(false);
   Pipeline pipeline;
-  std::vector<std::span<std::uint8_t>> pictures;
+  std::vector<std::span<std::uint8_t>> images;
 
   Session() : recording(testGpu()), pipeline(testGpu(), recording.rig(), hand, {.time_every = 1}, tube()) {
-    for (std::size_t c = 0; c < recording.rig().cameras.size(); ++c) pictures.push_back(pipeline.picture(c));
+    for (std::size_t c = 0; c < recording.rig().cameras.size(); ++c) images.push_back(pipeline.image(c));
     for (int frame = 0; frame < recording.backgroundFrames(); ++frame) {
-      recording.readPictures(frame, pictures);
+      recording.readImages(frame, images);
       pipeline.learnBackground();
     }
   }
 
   FrameResult process(int frame, bool held = true) {
-    recording.readPictures(frame, pictures);
-    return pipeline.processPictures({.held = held});
+    recording.readImages(frame, images);
+    return pipeline.processImages({.held = held});
   }
   Pose truth(int frame) const {
     return recording.truth()->at(std::size_t(frame - recording.backgroundFrames())).world_from_hand;
@@ -156,7 +156,7 @@ TEST(Pipeline, TheClayStaysWhereTheHandIsNotFoundOrTheClutchIsOpen) {
   EXPECT_EQ(session.surface(), dented);
 
   // with the clutch open the hand is tracked and passes through
-  session.pipeline.forgetHand();
+  session.pipeline.resetTracking();
   for (int frame = 36; frame <= pressed; frame += 2) {
     EXPECT_EQ(session.process(frame, false).hand, HandState::kTracked);
     EXPECT_EQ(session.surface(), dented);
@@ -238,7 +238,7 @@ TEST(Pipeline, AGivenHandSculptsWithoutCamerasAndTheClayCanBeReplaced) {
   EXPECT_EQ(pipeline.clay().surface().points, pressed);
   ClayState ball;
   ball.cage = presetCage("ball");
-  ball.solve = SolveRows::kTouched;
+  ball.solve = SolveMethod::kTouched;
   pipeline.setClay(ball);
   EXPECT_EQ(pipeline.clay().cage().faces, ball.cage.faces);
   press();
@@ -252,7 +252,7 @@ TEST(Pipeline, AGivenHandSculptsWithoutCamerasAndTheClayCanBeReplaced) {
 TEST(Pipeline, WhatCannotBeProcessedIsRefused) {
   const Rig rig = ringRig(4);
   Pipeline pipeline(testGpu(), rig, builtInHand(false));
-  EXPECT_NE(messageOf([&] { pipeline.processPictures(); }).find("empty"), std::string::npos);
+  EXPECT_NE(messageOf([&] { pipeline.processImages(); }).find("empty"), std::string::npos);
   std::vector<Mask> masks = sphereMasks(rig, Vec3::Zero(), 0.05);
   masks.pop_back();
   EXPECT_NE(messageOf([&] { pipeline.processMasks(masks); }).find("each camera"), std::string::npos);

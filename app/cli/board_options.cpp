@@ -9,7 +9,7 @@
 #include "engine/core/error.h"
 
 namespace airclay {
-std::pair<int, int> pairOf(const std::string& option, const std::string& word) {
+std::pair<int, int> parsePair(const std::string& option, const std::string& word) {
   int first = 0, second = 0, read = 0;
   const bool is_pair = std::sscanf(word.c_str(), "%6dx%6d%n", &first, &second, &read) == 2 &&
                        static_cast<std::size_t>(read) == word.size();
@@ -20,9 +20,9 @@ std::pair<int, int> pairOf(const std::string& option, const std::string& word) {
   return {first, second};
 }
 
-Board BoardWords::board() const {
+Board BoardOptions::board() const {
   Board board;
-  std::tie(board.squares_x, board.squares_y) = pairOf("--squares", squares);
+  std::tie(board.squares_x, board.squares_y) = parsePair("--squares", squares);
   board.square_m = square_mm / 1000;
   board.marker_m = marker_mm != 0 ? marker_mm / 1000 : usualMarker(board.square_m);
   board.dictionary = dictionary.starts_with("DICT_") ? dictionary.substr(5) : dictionary;
@@ -33,7 +33,7 @@ Board BoardWords::board() const {
   return board;
 }
 
-void addBoardOptions(CLI::App& command, BoardWords& words) {
+void addBoardOptions(CLI::App& command, BoardOptions& words) {
   command.add_option("--squares", words.squares, "the board's squares along its width and its height [5x3]")
       ->type_name("NxM");
   command

@@ -13,7 +13,7 @@ class App;
 namespace airclay {
 
 /// A board as written.
-struct BoardWords {
+struct BoardOptions {
   std::string squares = "5x3";  ///< along its width and its height
   double square_mm = 54;
   double marker_mm = 0;  ///< 0: the usual share of the square
@@ -25,10 +25,10 @@ struct BoardWords {
 };
 
 /// Whole numbers as written in "640x480". \throw Error (Fault::kUsage) naming the option.
-std::pair<int, int> pairOf(const std::string& option, const std::string& word);
+std::pair<int, int> parsePair(const std::string& option, const std::string& word);
 
 /// --squares, --square-mm, --marker-mm, --dictionary, --invert, --chessboard, --two-sided.
-void addBoardOptions(CLI::App& command, BoardWords& words);
+void addBoardOptions(CLI::App& command, BoardOptions& words);
 
 /// The words that say it on the command line.
 std::string optionsOf(const Board& board);

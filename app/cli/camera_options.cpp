@@ -15,17 +15,17 @@ namespace {
   throw Error(option + " " + words + ": " + right + " would be right", Fault::kUsage);
 }
 
-PictureSize sizeOf(const std::string& words) {
-  const auto [width, height] = pairOf("--mode", words);
-  if (std::min(width, height) < kMinPictureSide || std::max(width, height) > kMaxPictureSide)
+ImageSize sizeOf(const std::string& words) {
+  const auto [width, height] = parsePair("--mode", words);
+  if (std::min(width, height) < kMinImageSide || std::max(width, height) > kMaxImageSide)
     refuse("--mode", words,
-           "sides from " + std::to_string(kMinPictureSide) + " to " + std::to_string(kMaxPictureSide));
+           "sides from " + std::to_string(kMinImageSide) + " to " + std::to_string(kMaxImageSide));
   return {width, height};
 }
 
 }  // namespace
 
-std::vector<NamedSource> CameraWords::sources() const {
+std::vector<NamedSource> CameraOptions::sources() const {
   std::vector<NamedSource> sources;
   for (const std::string& words : cameras) {
     NamedSource source = parseNamedSource(words);
@@ -39,7 +39,7 @@ std::vector<NamedSource> CameraWords::sources() const {
   return sources;
 }
 
-SourceOptions CameraWords::sourceOptions() const {
+SourceOptions CameraOptions::sourceOptions() const {
   SourceOptions options;
   options.format = format;
   options.exposure = exposure;
@@ -56,7 +56,7 @@ SourceOptions CameraWords::sourceOptions() const {
   return options;
 }
 
-std::vector<LiveCamera> CameraWords::live(const std::vector<NamedSource>& sources) const {
+std::vector<LiveCamera> CameraOptions::live(const std::vector<NamedSource>& sources) const {
   std::vector<LiveCamera> all;
   for (const NamedSource& source : sources) all.push_back(liveCamera(source, sourceOptions()));
   for (const std::string& words : offsets) {
@@ -73,7 +73,7 @@ std::vector<LiveCamera> CameraWords::live(const std::vector<NamedSource>& source
   return all;
 }
 
-LiveOptions CameraWords::liveOptions(LiveOptions::Sets sets) const {
+LiveOptions CameraOptions::liveOptions(LiveOptions::Sets sets) const {
   LiveOptions options;
   options.sets = sets;
   if (max_skew_ms && !(*max_skew_ms > 0 && *max_skew_ms <= 1000))
@@ -82,12 +82,12 @@ LiveOptions CameraWords::liveOptions(LiveOptions::Sets sets) const {
   return options;
 }
 
-void addCameraOptions(CLI::App& command, CameraWords& words) {
+void addCameraOptions(CLI::App& command, CameraOptions& words) {
   const auto one = [](CLI::Option* option) { option->allow_extra_args(false); };
   CLI::Option* camera = command.add_option(
       "--camera", words.cameras,
-      "a camera and where its pictures come from, once for each: a device number or /dev/videoN, a video "
-      "file, a folder or pattern of pictures (img_%04d.png), rtsp://... or http://..., or a GStreamer "
+      "a camera and where its images come from, once for each: a device number or /dev/videoN, a video "
+      "file, a folder or pattern of images (img_%04d.png), rtsp://... or http://..., or a GStreamer "
       "pipeline (gst: ...)");
   camera->type_name("NAME=SOURCE");
   one(camera);
@@ -103,7 +103,7 @@ void addCameraOptions(CLI::App& command, CameraWords& words) {
   one(offset);
   command
       .add_option("--max-skew-ms", words.max_skew_ms,
-                  "the pictures of a set are at most so far apart [half a frame; recording: one]")
+                  "the images of a set are at most so far apart [half a frame; recording: one]")
       ->type_name("MS");
   command.add_flag("--loop", words.loop, "files begin anew at their end");
 }

@@ -15,13 +15,13 @@ class App;
 namespace airclay {
 
 /// As written.
-struct CameraWords {
+struct CameraOptions {
   std::vector<std::string> cameras;  ///< NAME=SOURCE each
   std::vector<std::string> offsets;  ///< NAME=MS each
   std::string mode, format;          ///< 640x480 or 640x480@30; MJPG
   std::optional<double> exposure, gain, max_skew_ms;
   bool loop = false;
-  std::optional<PictureSize> usual_size;  ///< where no mode is given: the rig's
+  std::optional<ImageSize> usual_size;  ///< where no mode is given: the rig's
 
   bool given() const { return !cameras.empty(); }
   /// \throw Error (Fault::kUsage) naming a word that is malformed, or a name that is there twice
@@ -34,6 +34,6 @@ struct CameraWords {
 };
 
 /// --camera, --mode, --format, --exposure, --gain, --offset, --max-skew-ms, --loop.
-void addCameraOptions(CLI::App& command, CameraWords& words);
+void addCameraOptions(CLI::App& command, CameraOptions& words);
 
 }  // namespace airclay

@@ -14,14 +14,14 @@ class Option;
 namespace airclay {
 
 /// How the clay is subdivided and solved, as written.
-struct ClayWords {
+struct ClayOptions {
   std::string rule = "catmull-clark", solve = "all";
   int levels = 2;
 
   SubdivisionRule subdivisionRule() const {
     return rule == "printed" ? SubdivisionRule::kPrinted : SubdivisionRule::kCatmullClark;
   }
-  SolveRows solveRows() const { return solve == "touched" ? SolveRows::kTouched : SolveRows::kAll; }
+  SolveMethod solveMethod() const { return solve == "touched" ? SolveMethod::kTouched : SolveMethod::kAll; }
 
   /// Of the options; none where the command has no such option.
   const CLI::Option *levels_option = nullptr, *rule_option = nullptr, *solve_option = nullptr;
@@ -31,11 +31,11 @@ struct ClayWords {
 };
 
 /// What holds where an option is not given, for its help.
-enum class Otherwise { kDefault, kAsItIs };
+enum class WhenOmitted { kDefault, kKeep };
 
 /// --levels and --rule.
-void addSubdivisionOptions(CLI::App& command, ClayWords& words, Otherwise otherwise = Otherwise::kDefault);
+void addSubdivisionOptions(CLI::App& command, ClayOptions& words, WhenOmitted otherwise = WhenOmitted::kDefault);
 /// --solve.
-void addSolveOption(CLI::App& command, ClayWords& words, Otherwise otherwise = Otherwise::kDefault);
+void addSolveOption(CLI::App& command, ClayOptions& words, WhenOmitted otherwise = WhenOmitted::kDefault);
 
 }  // namespace airclay

@@ -52,14 +52,14 @@ void addCommonOptions(CLI::App& command, CommonOptions& options, Uses uses, bool
 CommandGpu::CommandGpu(const CommonOptions& options) : Gpu(gpuOptions(options)) {}
 
 CommandGpu::~CommandGpu() {
-  for (const std::string& message : validationMessages()) warn("validation: " + message);
+  for (const std::string& message : validationMessages()) printWarning("validation: " + message);
 }
 
-void say(const CommonOptions& options, const std::string& line) {
-  if (options.talks()) std::puts(line.c_str());
+void printLine(const CommonOptions& options, const std::string& line) {
+  if (options.printsMessages()) std::puts(line.c_str());
 }
 
-void warn(const std::string& line) {
+void printWarning(const std::string& line) {
   std::fprintf(stderr, "airclay: %s\n", oneLine(line).c_str());
 }
 
@@ -97,7 +97,7 @@ std::string counted(std::size_t count, const std::string& thing) {
   return std::to_string(count) + " " + thing + (count == 1 ? "" : "s");
 }
 
-Vec3 placeFrom(const std::string& option, const std::string& text) {
+Vec3 parsePoint(const std::string& option, const std::string& text) {
   std::vector<double> values;
   std::size_t start = 0;
   while (start <= text.size()) {

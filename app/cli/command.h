@@ -23,7 +23,7 @@ struct CommonOptions {
   bool json = false;
 
   /// Whether anything but the result is to be said.
-  bool talks() const { return !quiet && !json; }
+  bool printsMessages() const { return !quiet && !json; }
 };
 
 /// Which of the common options mean something to a command; the others are accepted, but not listed.
@@ -41,10 +41,10 @@ class CommandGpu : public Gpu {
 };
 
 /// One line on standard output, the result in words: not with --quiet or --json.
-void say(const CommonOptions& options, const std::string& line);
+void printLine(const CommonOptions& options, const std::string& line);
 
 /// One line on standard error, also with --quiet: the result is not what one would take it for.
-void warn(const std::string& line);
+void printWarning(const std::string& line);
 
 /// The one object of --json.
 void printJson(const nlohmann::ordered_json& object);
@@ -59,7 +59,7 @@ std::string fixed(double value, int digits);
 std::string counted(std::size_t count, const std::string& thing);
 
 /// X,Y,Z, the value of `option`. \throw Error (Fault::kUsage)
-Vec3 placeFrom(const std::string& option, const std::string& text);
+Vec3 parsePoint(const std::string& option, const std::string& text);
 
 /// The words of a message in one line: anything else than printing characters becomes a space.
 std::string oneLine(std::string message);

@@ -45,10 +45,10 @@ class Progress {
 
 /// The same for work that says itself how far it is (engine/core/task.h): files, subdivision. Between two
 /// signs of life it cannot be interrupted.
-class WorkProgress : public LongWork {
+class ProgressTask : public Task {
  public:
-  WorkProgress(const std::string& what, bool shown) : progress_(what, 100, shown) {}
-  void goesOn(double share) override { progress_.reach(share); }
+  ProgressTask(const std::string& what, bool shown) : progress_(what, 100, shown) {}
+  void onProgress(double share) override { progress_.reach(share); }
 
  private:
   Progress progress_;

@@ -38,8 +38,8 @@ void runBench(const CommonOptions& options) {
                     {"peer_ratio", stage.peer_ratio}});
   }
   if (options.json) printJson({{"stages", list}});
-  say(options, gpu.info().name + ", " + std::to_string(options.voxels) + " voxels an edge; medians");
-  if (options.talks()) printTable(rows);
+  printLine(options, gpu.info().name + ", " + std::to_string(options.voxels) + " voxels an edge; medians");
+  if (options.printsMessages()) printTable(rows);
 }
 
 }  // namespace

@@ -15,10 +15,10 @@
 namespace airclay {
 namespace {
 
-struct BoardOptions : CommonOptions {
+struct BoardCommandOptions : CommonOptions {
   std::string out, page = "a4", resolution, rig, units;
   double dpi = 300, fov_degrees = 60, distance_m = 0;
-  BoardWords words;
+  BoardOptions board;
 };
 
 Page pageOf(const std::string& word) {
@@ -33,8 +33,8 @@ struct Sight {
   std::string camera;  ///< "a 640 x 480 camera at 1.1 m"
 };
 
-Sight sightByWords(const BoardOptions& options) {
-  const auto [width, height] = pairOf("--resolution", options.resolution);
+Sight sightByWords(const BoardCommandOptions& options) {
+  const auto [width, height] = parsePair("--resolution", options.resolution);
   if (!(options.distance_m > 0 && options.distance_m <= 1000))
     throw Error("--distance " + fixed(options.distance_m, 2) + ": metres, more than 0, would be right",
                 Fault::kUsage);
@@ -48,7 +48,7 @@ Sight sightByWords(const BoardOptions& options) {
 }
 
 /// Of a rig: the board is held in the middle of its workspace.
-Sight sightOfRig(const BoardOptions& options) {
+Sight sightOfRig(const BoardCommandOptions& options) {
   const RigUnits units = options.units == "m"    ? RigUnits::kMetres
                          : options.units == "mm" ? RigUnits::kMillimetres
                                                  : RigUnits::kAsWritten;
@@ -65,7 +65,7 @@ Sight sightOfRig(const BoardOptions& options) {
   return *smallest;
 }
 
-std::optional<Sight> sightOf(const BoardOptions& options) {
+std::optional<Sight> sightOf(const BoardCommandOptions& options) {
   const bool by_words = !options.resolution.empty() || options.distance_m != 0;
   if (!options.rig.empty() && by_words)
     throw Error("--rig says the cameras' resolution and distance; leave out --resolution and --distance",
@@ -93,19 +93,19 @@ Verdict judge(const Board& board, const Sight& sight, Page page) {
   return verdict;
 }
 
-void sayVerdict(const BoardOptions& options, const Board& board, const Sight& sight, const Verdict& verdict) {
+void sayVerdict(const BoardCommandOptions& options, const Board& board, const Sight& sight, const Verdict& verdict) {
   const std::string cell = board.chessboard ? "a square" : "a marker's cell";
   const std::string least = fixed(leastCellPixels(board), 0);
-  say(options, "To " + sight.camera + ", " + cell + " has " + fixed(verdict.cell_px, 1) +
+  printLine(options, "To " + sight.camera + ", " + cell + " has " + fixed(verdict.cell_px, 1) +
                    " pixels: " + (verdict.readable ? "it will be read" : "too few to be read") + " (" +
                    least + " are needed, more where the board is held aslant).");
   if (verdict.readable) return;
   const double nearer_m = sight.sight.distance_m * verdict.cell_px / leastCellPixels(board);
   if (!verdict.proposal) {
-    say(options, "No board on A3 will do there. Within " + fixed(nearer_m, 2) + " m this one is read.");
+    printLine(options, "No board on A3 will do there. Within " + fixed(nearer_m, 2) + " m this one is read.");
     return;
   }
-  say(options, "This one would be read, with " + fixed(verdict.proposal->cell_px, 1) + " pixels: --page " +
+  printLine(options, "This one would be read, with " + fixed(verdict.proposal->cell_px, 1) + " pixels: --page " +
                    nameOf(verdict.proposal->page) + " " + optionsOf(verdict.proposal->board));
 }
 
@@ -133,11 +133,11 @@ void printVerdict(nlohmann::ordered_json json, const std::optional<Verdict>& ver
   printJson(json);
 }
 
-void runBoard(const BoardOptions& options) {
+void runBoard(const BoardCommandOptions& options) {
   const bool is_pdf = options.out.ends_with(".pdf");
   if (!is_pdf && !options.out.ends_with(".png"))
     throw Error("--out " + options.out + ": a name that ends in .pdf or .png would be right", Fault::kUsage);
-  const Board board = options.words.board();
+  const Board board = options.board.board();
   const Page page = pageOf(options.page);
   const std::optional<Sight> sight = sightOf(options);
   const BoardSheet sheet = layOut(board, page);
@@ -149,19 +149,19 @@ void runBoard(const BoardOptions& options) {
 
   const std::optional<Verdict> verdict = sight ? std::optional(judge(board, *sight, page)) : std::nullopt;
   if (options.json) printVerdict(jsonOf(board, page), verdict);
-  say(options, "A board of " + inWords(board) + ", in " + options.out + ", on a page of " +
+  printLine(options, "A board of " + describe(board) + ", in " + options.out + ", on a page of " +
                    fixed(1000 * sheet.width_m, 0) + " x " + fixed(1000 * sheet.height_m, 0) + " mm.");
-  say(options,
+  printLine(options,
       "Print it at 100 %, without scaling (\"actual size\"). Measure the line below it: it must be 100 mm "
       "long. If it isn't, measure a square and say so with --square-mm.");
-  say(options, "Glue it on something flat and stiff: a bent board bends the calibration.");
+  printLine(options, "Glue it on something flat and stiff: a bent board bends the calibration.");
   if (sight) sayVerdict(options, board, *sight, *verdict);
 }
 
-void addSightOptions(CLI::App& command, BoardOptions& options) {
+void addSightOptions(CLI::App& command, BoardCommandOptions& options) {
   command
       .add_option("--resolution", options.resolution,
-                  "the cameras' pictures, with --distance: says whether they will be able to read the board")
+                  "the cameras' images, with --distance: says whether they will be able to read the board")
       ->type_name("WxH");
   command.add_option("--distance", options.distance_m, "how far from the cameras the board is held, metres")
       ->type_name("M");
@@ -179,7 +179,7 @@ void addSightOptions(CLI::App& command, BoardOptions& options) {
 void addBoard(CLI::App& program, int&) {
   CLI::App* command =
       program.add_subcommand("board", "make a calibration board to print, and say whether it can be read");
-  const auto options = std::make_shared<BoardOptions>();
+  const auto options = std::make_shared<BoardCommandOptions>();
   command->add_option("--out", options->out, "where it goes: the ending says the format, .pdf or .png")
       ->type_name("FILE")
       ->required();
@@ -189,7 +189,7 @@ void addBoard(CLI::App& program, int&) {
   command->add_option("--dpi", options->dpi, "a PNG's pixels to the inch [300]")
       ->check(CLI::Range(20.0, 2400.0).description(""))
       ->type_name("N");
-  addBoardOptions(*command, options->words);
+  addBoardOptions(*command, options->board);
   addSightOptions(*command, *options);
   addCommonOptions(*command, *options, Uses::kNothing, true);
   command->footer(

@@ -12,7 +12,7 @@
 namespace airclay {
 namespace {
 
-struct CalibrateOptions : CalibrationWords {
+struct CalibrateOptions : CalibrationCommandOptions {
   std::string lens = "auto";
   CalibrationOptions calibration;
 };
@@ -26,7 +26,7 @@ LensChoice lensFrom(const std::string& word) {
 void print(const CalibrateOptions& options, const Calibration& found) {
   const std::vector<Camera>& cameras = found.rig.cameras;
   std::vector<std::vector<std::string>> rows = {
-      {"camera", "views", "shared", "rms px", "picture covered", "lens"}};
+      {"camera", "views", "shared", "rms px", "image covered", "lens"}};
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     const CameraQuality& quality = found.cameras[i];
     const Lens& lens = cameras[i].lens;
@@ -38,20 +38,20 @@ void print(const CalibrateOptions& options, const Calibration& found) {
                         std::to_string(coefficients) +
                         (coefficients == 1 ? " coefficient" : " coefficients")});
   }
-  if (options.talks()) printTable(rows);
+  if (options.printsMessages()) printTable(rows);
   std::string apart;
   for (const Baseline& baseline : found.baselines)
     if (baseline.b == baseline.a + 1)
       apart += (apart.empty() ? "" : ", ") + cameras[static_cast<std::size_t>(baseline.a)].name + " - " +
                cameras[static_cast<std::size_t>(baseline.b)].name + " " + fixed(baseline.metres, 3) + " m";
-  say(options, "apart: " + apart);
-  say(options, "corners are off by " + fixed(found.rms_px, 2) + " px RMS; lengths on the board by " +
-                   scaleWords(found) + "; the world is the board's of frame " +
+  printLine(options, "apart: " + apart);
+  printLine(options, "corners are off by " + fixed(found.rms_px, 2) + " px RMS; lengths on the board by " +
+                   describeScale(found) + "; the world is the board's of frame " +
                    std::to_string(found.world_frame) +
                    (options.live() || options.calibration.world_frame
                         ? ""
                         : " (--world N names one that lies on the table)"));
-  say(options, outputWords(options));
+  printLine(options, describeOutput(options));
 }
 
 nlohmann::ordered_json jsonOf(const Calibration& found) {
@@ -88,7 +88,7 @@ Calibration fromRecording(const CalibrateOptions& options, const Board& board,
                           std::vector<std::string>& warnings) {
   BoardRecording recording(options.take);
   const std::vector<CameraViews> views = options.findBoards(recording, board, warnings);
-  const WorkProgress progress("calibrating", options.talks());
+  const ProgressTask progress("calibrating", options.printsMessages());
   return madeOf(options, board, views, warnings);
 }
 
@@ -119,7 +119,7 @@ void runCalibrate(CalibrateOptions options) {
   if (options.json) printJson(jsonOf(found));
   print(options, found);
   if (!options.json)
-    for (const std::string& warning : found.warnings) warn(warning);
+    for (const std::string& warning : found.warnings) printWarning(warning);
 }
 
 void addWorldOptions(CLI::App& command, CalibrateOptions& options) {
@@ -128,7 +128,7 @@ void addWorldOptions(CLI::App& command, CalibrateOptions& options) {
   command
       .add_option_function<std::string>(
           "--center",
-          [&calibration](const std::string& text) { calibration.center = placeFrom("--center", text); },
+          [&calibration](const std::string& text) { calibration.center = parsePoint("--center", text); },
           "the cube's middle, metres, world [with --world half an edge above the board, else the origin]")
       ->type_name("X,Y,Z");
   command.add_option("--edge", calibration.edge_m, "the cube's edge, metres [0.6]")

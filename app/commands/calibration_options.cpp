@@ -22,11 +22,11 @@ constexpr auto kLookS = std::chrono::milliseconds(50);
 constexpr double kAdviceStaysS = 2;
 
 /// Until there is enough, the files are over, or Ctrl-C says that it is; advice is printed when it changes.
-void collectInTerminal(const CalibrationWords& words, LiveCalibration& calibration) {
+void collectInTerminal(const CalibrationCommandOptions& words, LiveCalibration& calibration) {
   std::string said;
   Clock::time_point said_at{};
   try {
-    Progress progress("collecting views", 100, words.talks());
+    Progress progress("collecting views", 100, words.printsMessages());
     for (;;) {
       std::this_thread::sleep_for(kLookS);
       const LiveCalibration::State state = calibration.state();
@@ -35,15 +35,15 @@ void collectInTerminal(const CalibrationWords& words, LiveCalibration& calibrati
       if (state.advice == said || secondsBetween(said_at, Clock::now()) < kAdviceStaysS) continue;
       said = state.advice;
       said_at = Clock::now();
-      if (!said.empty()) say(words, said);
+      if (!said.empty()) printLine(words, said);
     }
   } catch (const Interrupted&) {  // that is enough
   }
 }
 
-LiveCalibration::State finishInTerminal(const CalibrationWords& words, LiveCalibration& calibration) {
+LiveCalibration::State finishInTerminal(const CalibrationCommandOptions& words, LiveCalibration& calibration) {
   calibration.finish();
-  Progress progress("making the rig", 100, words.talks());
+  Progress progress("making the rig", 100, words.printsMessages());
   for (;;) {
     std::this_thread::sleep_for(kLookS);
     const LiveCalibration::State state = calibration.state();
@@ -54,7 +54,7 @@ LiveCalibration::State finishInTerminal(const CalibrationWords& words, LiveCalib
 
 }  // namespace
 
-void CalibrationWords::collectLive(LiveCameras& running, const Board& of,
+void CalibrationCommandOptions::collectLive(LiveCameras& running, const Board& of,
                                    const LiveCalibration::Finish& make) const {
   LiveCalibration::Options options{.board = of, .collector = {.wanted = wanted}, .finish = make, .wake = {}};
   for (const CameraStatus& camera : running.status())
@@ -73,7 +73,7 @@ void CalibrationWords::collectLive(LiveCameras& running, const Board& of,
                                    : last.fault);
 }
 
-Board CalibrationWords::measuredBoard(std::vector<std::string>& warnings) const {
+Board CalibrationCommandOptions::measuredBoard(std::vector<std::string>& warnings) const {
   Board measured = board.board();
   if (measured_square_mm <= 0) return measured;
   const double square_m = measured_square_mm / 1000, ratio = square_m / measured.square_m;
@@ -92,14 +92,14 @@ Board CalibrationWords::measuredBoard(std::vector<std::string>& warnings) const 
   return measured;
 }
 
-std::vector<CameraViews> CalibrationWords::findBoards(BoardRecording& recording, const Board& of,
+std::vector<CameraViews> CalibrationCommandOptions::findBoards(BoardRecording& recording, const Board& of,
                                                       std::vector<std::string>& warnings) const {
   warnings.insert(warnings.end(), recording.notes().begin(), recording.notes().end());
-  const WorkProgress progress("looking for the board", talks());
+  const ProgressTask progress("looking for the board", printsMessages());
   return recording.findBoards(BoardDetector(of), search);
 }
 
-void CalibrationWords::check() const {
+void CalibrationCommandOptions::check() const {
   if (take.empty() && !live())
     throw Error(
         "say where the board is seen: a recording, TAKE, or cameras that run, --camera NAME=SOURCE for each, "
@@ -109,29 +109,29 @@ void CalibrationWords::check() const {
     throw Error("a recording and cameras that run cannot be had at once; TAKE or --camera would be right",
                 Fault::kUsage);
   checkWritable(out);
-  if (!picture.empty()) checkWritable(picture);
+  if (!image.empty()) checkWritable(image);
 }
 
-void CalibrationWords::write(const Calibration& found, const Board& of, const std::string& hint) const {
+void CalibrationCommandOptions::write(const Calibration& found, const Board& of, const std::string& hint) const {
   try {
     checkRig(found.rig, out);
   } catch (const Error& error) {
     throw Error(error.what() + (" (" + hint + ")"));
   }
   writeRig(out, found.rig);
-  if (!picture.empty()) drawCalibration(picture, of, found);
+  if (!image.empty()) drawCalibration(image, of, found);
 }
 
-void addCalibrationOptions(CLI::App& command, CalibrationWords& words) {
+void addCalibrationOptions(CLI::App& command, CalibrationCommandOptions& words) {
   command
       .add_option("TAKE", words.take,
-                  "the recording: a folder with a video NAME.mp4, .mkv or .avi, or pictures NAME/000000.png "
+                  "the recording: a folder with a video NAME.mp4, .mkv or .avi, or images NAME/000000.png "
                   "and on, of each camera; timestamps.csv is used where there is one; none with --camera")
       ->type_name("");
   addCameraOptions(command, words.cameras);
   command.add_flag("--headless", words.headless, "live: open no window, though there be a display");
   command.add_option("--out", words.out, "where the calibrated rig goes")->type_name("RIG.toml")->required();
-  command.add_option("--picture", words.picture, "where a picture of the rig and what is left over goes")
+  command.add_option("--picture", words.image, "where a image of the rig and what is left over goes")
       ->type_name("FILE.png");
   addBoardOptions(command, words.board);
   command
@@ -157,23 +157,23 @@ void addWorldOption(CLI::App& command, std::optional<int>& frame, const std::str
       ->type_name("N");
 }
 
-std::vector<std::string> resultLines(const Calibration& found, const CalibrationWords& words) {
+std::vector<std::string> resultLines(const Calibration& found, const CalibrationCommandOptions& words) {
   std::vector<std::string> lines;
   for (std::size_t i = 0; i < found.cameras.size(); ++i)
     lines.push_back(found.rig.cameras[i].name + ": " + fixed(found.cameras[i].rms_px, 2) + " px RMS in " +
                     std::to_string(found.cameras[i].views) + " views");
-  lines.push_back("lengths on the board are off by " + scaleWords(found));
-  lines.push_back(outputWords(words));
+  lines.push_back("lengths on the board are off by " + describeScale(found));
+  lines.push_back(describeOutput(words));
   lines.insert(lines.end(), found.warnings.begin(), found.warnings.end());
   return lines;
 }
 
-std::string scaleWords(const Calibration& found) {
+std::string describeScale(const Calibration& found) {
   return found.scale_error_mm ? fixed(*found.scale_error_mm, 2) + " mm RMS" : "an unknown amount";
 }
 
-std::string outputWords(const CalibrationWords& words) {
-  return "rig in " + words.out + (words.picture.empty() ? "" : ", and how it looks in " + words.picture);
+std::string describeOutput(const CalibrationCommandOptions& words) {
+  return "rig in " + words.out + (words.image.empty() ? "" : ", and how it looks in " + words.image);
 }
 
 nlohmann::ordered_json scaleJson(const Calibration& found) {

@@ -14,12 +14,12 @@
 namespace airclay {
 
 /// Where views of the board come from, and where the rig that comes of them goes, as written.
-struct CalibrationWords : CommonOptions {
-  std::string take, out, picture;
-  CameraWords cameras;
+struct CalibrationCommandOptions : CommonOptions {
+  std::string take, out, image;
+  CameraOptions cameras;
   bool headless = false;
-  WantedViews wanted;  ///< of cameras that run
-  BoardWords board;
+  RequiredViews wanted;  ///< of cameras that run
+  BoardOptions board;
   BoardSearch search;
   double measured_square_mm = 0;  ///< 0: not said
 
@@ -31,7 +31,7 @@ struct CalibrationWords : CommonOptions {
   std::vector<CameraViews> findBoards(BoardRecording& recording, const Board& of,
                                       std::vector<std::string>& warnings) const;
 
-  /// Before anything is opened. \throw Error when the rig or the picture could not be written;
+  /// Before anything is opened. \throw Error when the rig or the image could not be written;
   /// (Fault::kUsage) unless there is either a recording or cameras.
   void check() const;
 
@@ -44,19 +44,19 @@ struct CalibrationWords : CommonOptions {
   void write(const Calibration& found, const Board& of, const std::string& hint) const;
 };
 
-/// TAKE or --camera and its like, --out, --picture, the board's options, --check-square-mm, --every and the
+/// TAKE or --camera and its like, --out, --image, the board's options, --check-square-mm, --every and the
 /// common options.
-void addCalibrationOptions(CLI::App& command, CalibrationWords& words);
+void addCalibrationOptions(CLI::App& command, CalibrationCommandOptions& words);
 
 /// --world, the frame in which the board lies on the table. \param otherwise what is without it
 void addWorldOption(CLI::App& command, std::optional<int>& frame, const std::string& otherwise);
 
 /// What came of it, for a window: a line a camera, then what `words` say, then warnings.
-std::vector<std::string> resultLines(const Calibration& found, const CalibrationWords& words);
+std::vector<std::string> resultLines(const Calibration& found, const CalibrationCommandOptions& words);
 /// "0.21 mm RMS"
-std::string scaleWords(const Calibration& found);
+std::string describeScale(const Calibration& found);
 /// "rig in rig.toml, and how it looks in rig.png"
-std::string outputWords(const CalibrationWords& words);
+std::string describeOutput(const CalibrationCommandOptions& words);
 /// `scale_error_mm`: null where it is not known.
 nlohmann::ordered_json scaleJson(const Calibration& found);
 

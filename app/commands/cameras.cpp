@@ -23,12 +23,12 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct CamerasOptions : CommonOptions {
-  CameraWords cameras;
+  CameraOptions cameras;
   double watch_s = 0;  ///< 0: until Ctrl-C
   bool watches = false, headless = false;
 };
 
-std::string sizeText(PictureSize size) {
+std::string sizeText(ImageSize size) {
   return std::to_string(size.width) + "x" + std::to_string(size.height);
 }
 
@@ -61,7 +61,7 @@ Json devicesJson(const std::vector<V4l2Device>& devices) {
 void printDevices(const std::vector<V4l2Device>& devices) {
   if (devices.empty()) {
     std::puts(
-        "no camera device is here (nothing in /dev/video*); a video file, a folder of pictures, an rtsp:// "
+        "no camera device is here (nothing in /dev/video*); a video file, a folder of images, an rtsp:// "
         "or "
         "http:// address or a GStreamer pipeline can be a camera, too: airclay cameras --camera "
         "left=left.mp4");
@@ -142,7 +142,7 @@ std::string summary(const SetFigures& figures, const LiveCameras& cameras) {
            " without some camera, skew " + fixed(1000 * figures.usual(), 1) + " ms (worst " +
            fixed(1000 * figures.worst(), 1) + " of " + fixed(1000 * cameras.maxSkew(), 1) + " allowed)";
   if (const std::optional<double> skew_s = cameras.refusedSkew())
-    return "no set: the pictures are " + fixed(1000 * *skew_s, 1) + " ms apart, " +
+    return "no set: the images are " + fixed(1000 * *skew_s, 1) + " ms apart, " +
            fixed(1000 * cameras.maxSkew(), 1) + " are allowed; --max-skew-ms " +
            fixed(1000 * *skew_s + 1, 0) + " would do, cameras that run in step would be better";
   return "no set yet";
@@ -150,7 +150,7 @@ std::string summary(const SetFigures& figures, const LiveCameras& cameras) {
 
 Json watch(const CamerasOptions& options, const std::vector<NamedSource>& sources) {
   std::optional<CommandGpu> gpu;  // before the cameras run
-  if (!options.headless && options.talks() && Window::possible()) gpu.emplace(options);
+  if (!options.headless && options.printsMessages() && Window::possible()) gpu.emplace(options);
   LiveCameras cameras(options.cameras.live(sources), options.cameras.liveOptions(LiveOptions::Sets::kNewest));
   SetFigures figures;
   Table table;
@@ -159,27 +159,27 @@ Json watch(const CamerasOptions& options, const std::vector<NamedSource>& source
   const auto passed = [&] { return secondsBetween(start, Clock::now()); };
   try {
     Progress signals("watching", 1, false);  // Ctrl-C ends it well
-    const auto goesOn = [&](const LiveSet* set) {
+    const auto onProgress = [&](const LiveSet* set) {
       signals.reach(0);
       if (set) figures.add(*set);
-      if (passed() >= shown_s + 1 && options.talks()) {
+      if (passed() >= shown_s + 1 && options.printsMessages()) {
         shown_s = passed();
         table.show(cameras.status(), summary(figures, cameras));
       }
       return !(options.watch_s > 0 && passed() >= options.watch_s) && !cameras.ended();
     };
     if (gpu) {
-      watchCameras(*gpu, cameras, goesOn);
+      watchCameras(*gpu, cameras, onProgress);
     } else {
       for (bool on = true; on;) {
         const std::optional<LiveSet> set = cameras.next(0.1);
-        on = goesOn(set ? &*set : nullptr);
+        on = onProgress(set ? &*set : nullptr);
       }
     }
   } catch (const Interrupted&) {
   }
   const std::vector<CameraStatus> status = cameras.status();
-  if (options.talks()) table.show(status, summary(figures, cameras));
+  if (options.printsMessages()) table.show(status, summary(figures, cameras));
   return {{"cameras", statusJson(status, sources)},
           {"sets", figures.sets},
           {"incomplete", figures.incomplete},
@@ -202,7 +202,7 @@ Json openEach(const CamerasOptions& options, const std::vector<NamedSource>& sou
                     {"rate_hz", source->rateHz()},
                     {"times", wordsOn(source->times())}});
   }
-  if (options.talks()) printTable(rows);
+  if (options.printsMessages()) printTable(rows);
   return {{"cameras", list}};
 }
 
@@ -215,7 +215,7 @@ void runCameras(const CamerasOptions& options) {
                   Fault::kUsage);
     const std::vector<V4l2Device> devices = listV4l2Devices();
     if (options.json) printJson({{"devices", devicesJson(devices)}});
-    if (options.talks()) printDevices(devices);
+    if (options.printsMessages()) printDevices(devices);
     return;
   }
   const std::vector<NamedSource> sources = options.cameras.sources();

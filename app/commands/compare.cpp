@@ -51,9 +51,9 @@ void runCompare(const CommonOptions& options, int& status) {
                     {"pass", kernel.pass}});
   }
   if (options.json) printJson({{"kernels", list}});
-  if (options.talks()) printTable(rows);
+  if (options.printsMessages()) printTable(rows);
   if (failed == 0) return;
-  warn(std::to_string(failed) + " of " + std::to_string(kernels.size()) +
+  printWarning(std::to_string(failed) + " of " + std::to_string(kernels.size()) +
        " kernels differ from their reference by more than the tolerance");
   status = static_cast<int>(Fault::kInput);
 }

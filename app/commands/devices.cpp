@@ -51,7 +51,7 @@ void runDevices(const CommonOptions& options) {
   if (devices.empty())
     throw Error("no Vulkan device found; install mesa-vulkan-drivers for the software device",
                 Fault::kDevice);
-  if (options.talks()) printDevices(devices);
+  if (options.printsMessages()) printDevices(devices);
   for (const DeviceInfo& device : devices)
     if (device.missing.empty()) return;
   throw Error("none of the Vulkan devices has what is needed; a driver for Vulkan 1.3 would be right",

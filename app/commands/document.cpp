@@ -25,12 +25,12 @@ struct DocumentOptions : CommonOptions {
 
 struct NewOptions : DocumentOptions {
   std::string clay = "tube";
-  ClayWords words;
+  ClayOptions words;
 };
 
 struct SetOptions : DocumentOptions {
   std::string clay;
-  ClayWords words;
+  ClayOptions words;
 };
 
 struct TurnOptions : DocumentOptions {
@@ -47,11 +47,11 @@ void checkEnding(const std::string& file) {
 void runNew(const NewOptions& options) {
   checkEnding(options.file);
   const ClayState state{loadCage(options.clay), options.words.subdivisionRule(), options.words.levels,
-                        options.words.solveRows()};
+                        options.words.solveMethod()};
   // Before the file exists: a level that is too high is a fault of this command, not of the document.
   const Subdivision subdivision = subdivide(state.cage, state.levels, state.rule);
   Document::create(options.file, state);
-  say(options, options.file + ": " + counted(state.cage.points.size(), "control point") + ", " +
+  printLine(options, options.file + ": " + counted(state.cage.points.size(), "control point") + ", " +
                    counted(static_cast<std::size_t>(subdivision.matrix.rows()), "data point"));
 }
 
@@ -79,9 +79,9 @@ void runHistory(const DocumentOptions& options) {
                {"control_points", state.cage.points.size()},
                {"levels", state.levels},
                {"rule", state.rule == SubdivisionRule::kPrinted ? "printed" : "catmull-clark"},
-               {"solve", state.solve == SolveRows::kTouched ? "touched" : "all"}});
+               {"solve", state.solve == SolveMethod::kTouched ? "touched" : "all"}});
   }
-  if (!options.talks()) return;
+  if (!options.printsMessages()) return;
   std::vector<std::vector<std::string>> rows = {{"edit", "what", "when", ""}};
   for (std::size_t i = 0; i < history.size(); ++i)
     rows.push_back({std::to_string(i), oneLine(history[i].name), localTime(history[i].unix_time_s),
@@ -90,7 +90,7 @@ void runHistory(const DocumentOptions& options) {
 }
 
 void sayWhere(const DocumentOptions& options, const Document& document, const std::string& done) {
-  say(options, options.file + ": " + done + "; " + std::to_string(document.undoCount()) + " to undo, " +
+  printLine(options, options.file + ": " + done + "; " + std::to_string(document.undoCount()) + " to undo, " +
                    std::to_string(document.redoCount()) + " to redo");
 }
 
@@ -115,13 +115,13 @@ void runRefine(const DocumentOptions& options) {
   const ClayState before = document.state();
   ClayState refined;
   try {
-    const WorkProgress progress("refining", options.talks());
+    const ProgressTask progress("refining", options.printsMessages());
     refined = refine(before);
   } catch (const Error& error) {
     throw Error(options.file + ": " + error.what());
   }
   document.commit("Refine", refined);
-  say(options, options.file + ": " + counted(refined.cage.points.size(), "control point") + " at level " +
+  printLine(options, options.file + ": " + counted(refined.cage.points.size(), "control point") + " at level " +
                    std::to_string(refined.levels) + ", from " + std::to_string(before.cage.points.size()) +
                    " at level " + std::to_string(before.levels) +
                    (before.levels == 1 ? "; the surface is one step finer" : "; the surface is the same"));
@@ -146,7 +146,7 @@ void runSet(const SetOptions& options) {
                   : options.words.levelsGiven() ? "Level " + std::to_string(state.levels)
                                                 : "Settings",
                   state);
-  say(options, options.file + ": " + counted(state.cage.points.size(), "control point") + ", " +
+  printLine(options, options.file + ": " + counted(state.cage.points.size(), "control point") + ", " +
                    counted(static_cast<std::size_t>(subdivision.matrix.rows()), "data point") + " at level " +
                    std::to_string(state.levels));
 }
@@ -156,11 +156,11 @@ void runTurn(const TurnOptions& options) {
   ClayState state = document.state();
   const Vec3 axis = Vec3::Unit(options.axis[0] - 'x');
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(options.degrees * M_PI / 180, axis));
-  const Vec3 about = options.about.empty() ? Vec3::Zero() : placeFrom("--about", options.about);
+  const Vec3 about = options.about.empty() ? Vec3::Zero() : parsePoint("--about", options.about);
   for (Vec3& point : state.cage.points) point = about + turn * (point - about);
   state.workspace_from_clay = (turn * state.workspace_from_clay).normalized();
   document.commit("Turn", state);
-  say(options, options.file + ": turned by " + fixed(options.degrees, 1) + " degrees about " + options.axis);
+  printLine(options, options.file + ": turned by " + fixed(options.degrees, 1) + " degrees about " + options.axis);
 }
 
 void addFile(CLI::App& command, DocumentOptions& options) {
@@ -239,8 +239,8 @@ void addSet(CLI::App& program, int&) {
   addFile(*command, *options);
   command->add_option("--clay", options->clay, "a preset: tube, cube, ball, slab, vase; or a cage in an OBJ")
       ->type_name("PRESET|FILE");
-  addSubdivisionOptions(*command, options->words, Otherwise::kAsItIs);
-  addSolveOption(*command, options->words, Otherwise::kAsItIs);
+  addSubdivisionOptions(*command, options->words, WhenOmitted::kKeep);
+  addSolveOption(*command, options->words, WhenOmitted::kKeep);
   addCommonOptions(*command, *options, Uses::kNothing, false);
   command->footer(
       "What is not given stays as it is; the change is an edit that can be undone.\n\n"

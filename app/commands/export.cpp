@@ -19,7 +19,7 @@ namespace {
 
 struct ExportOptions : CommonOptions {
   std::string clay, out, what = "surface";
-  ClayWords words;
+  ClayOptions words;
 };
 
 /// A document's own level and rule are what it is exported with, unless the words say otherwise.
@@ -53,7 +53,7 @@ void runExport(const ExportOptions& options) {
   meshFormatOf(options.out);
   checkWritable(options.out);
   const MeshExport written = [&] {
-    const WorkProgress progress("exporting", options.talks());
+    const ProgressTask progress("exporting", options.printsMessages());
     const ClayState clay = clayOf(options);
     return exportMesh(options.out, meshAtLevel(clay.cage, cage_alone ? 0 : clay.levels, clay.rule));
   }();
@@ -64,7 +64,7 @@ void runExport(const ExportOptions& options) {
                {"watertight", written.watertight()},
                {"open_edges", written.open_edges},
                {"volume_cm3", 1e6 * written.volume_m3}});
-  say(options, std::to_string(written.faces) +
+  printLine(options, std::to_string(written.faces) +
                    (written.faces == written.triangles ? " triangles, " : " faces, ") + sizeOf(written) +
                    ", in " + options.out + "; " + wordsOn(written));
 }

@@ -21,10 +21,10 @@ void runFigures(const FigureOptions& options) {
   makeFolder(options.out);
   CommandGpu gpu(options);
   {
-    Progress progress("drawing", figureSteps(), options.talks());
+    Progress progress("drawing", figureSteps(), options.printsMessages());
     drawFigures(gpu, options.out, options.voxels, [&] { progress.advance(); });
   }
-  say(options, "figure1.png to figure6.png in " + options.out);
+  printLine(options, "figure1.png to figure6.png in " + options.out);
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ namespace airclay {
 namespace {
 
 struct HullOptions : CommonOptions {
-  TakeWords take;
+  TakeInputOptions take;
   int frame = 0;
   std::string out;
 };
@@ -41,7 +41,7 @@ void runHull(const HullOptions& options) {
   const double volume_m3 = static_cast<double>(points.size()) * std::pow(voxel_m, 3);
   writePly(options.out, points);
   if (options.json) printJson({{"occupied", points.size()}, {"voxel_m", voxel_m}, {"volume_m3", volume_m3}});
-  say(options, std::to_string(points.size()) + " voxels of " + fixed(1000 * voxel_m, 2) + " mm, " +
+  printLine(options, std::to_string(points.size()) + " voxels of " + fixed(1000 * voxel_m, 2) + " mm, " +
                    fixed(1e6 * volume_m3, 1) + " cm3, in " + options.out);
 }
 

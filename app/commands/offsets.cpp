@@ -14,13 +14,13 @@
 namespace airclay {
 namespace {
 
-// A silhouette of fewer pixels is a finger at the picture's edge, or dirt.
+// A silhouette of fewer pixels is a finger at the image's edge, or dirt.
 constexpr std::size_t kLeastPixels = 100;
 // Less than this is no difference that matters: at 1 m/s, a millimetre.
 constexpr double kSameClockS = 0.001;
 
 struct OffsetsOptions : CommonOptions {
-  TakeWords take;
+  TakeInputOptions take;
 };
 
 /// The mean of a silhouette's pixels; none where it is too small.
@@ -44,7 +44,7 @@ std::vector<MotionSeries> motionIn(const OffsetsOptions& options, Take& take) {
   Pipeline pipeline(gpu, take.rig(), builtInHand(false), {options.voxels});
   Player player(take, pipeline);
   std::vector<MotionSeries> series(take.rig().cameras.size());
-  Progress progress("watching the hand", take.frameCount(), options.talks());
+  Progress progress("watching the hand", take.frameCount(), options.printsMessages());
   for (int frame = 0; const std::optional<PlayedFrame> played = player.next(); ++frame) {
     progress.advance();
     if (played->background) continue;
@@ -79,8 +79,8 @@ void runOffsets(const OffsetsOptions& options) {
     if (std::abs(found.offset_s[c]) > kSameClockS) words += " --offset " + name + "=" + fixed(offset_ms, 1);
   }
   if (options.json) printJson({{"cameras", cameras}});
-  if (options.talks()) printTable(rows);
-  say(options, words.empty() ? "the cameras' clocks agree"
+  if (options.printsMessages()) printTable(rows);
+  printLine(options, words.empty() ? "the cameras' clocks agree"
                              : "with cameras that run, the words that put them in step are:" + words);
 }
 

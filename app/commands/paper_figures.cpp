@@ -15,7 +15,7 @@
 namespace airclay {
 namespace {
 
-constexpr int kMargin = Page::kMargin, kGap = Page::kGap;
+constexpr int kMargin = ContactSheet::kMargin, kGap = ContactSheet::kGap;
 
 /// The hand upright, its back towards -y, its middle at the workspace's.
 Pose uprightHand() {
@@ -41,17 +41,17 @@ View nearView(double azimuth_rad, double elevation_rad, double distance_m,
 }
 
 /// What a camera of the rig sees: BGR bytes in the frame's buffer.
-Picture cameraPicture(const GpuRig& rig, const Buffer<std::uint32_t>& pictures, std::size_t camera) {
+RgbaImage cameraImage(const GpuRig& rig, const Buffer<std::uint32_t>& images, std::size_t camera) {
   const GpuCamera& c = rig.camera(camera);
-  const auto* bgr = reinterpret_cast<const std::uint8_t*>(pictures.host().data() + c.picture_words);
-  Picture picture{{static_cast<int>(c.width), static_cast<int>(c.height)}, {}};
+  const auto* bgr = reinterpret_cast<const std::uint8_t*>(images.host().data() + c.image_words);
+  RgbaImage image{{static_cast<int>(c.width), static_cast<int>(c.height)}, {}};
   for (std::size_t i = 0; i < std::size_t(c.width) * c.height; ++i)
-    picture.rgba.insert(picture.rgba.end(), {bgr[3 * i + 2], bgr[3 * i + 1], bgr[3 * i], 255});
-  return picture;
+    image.rgba.insert(image.rgba.end(), {bgr[3 * i + 2], bgr[3 * i + 1], bgr[3 * i], 255});
+  return image;
 }
 
 /// The part of a mask around what is set in it, a pixel a pixel.
-Picture maskPicture(const Mask& mask, PictureSize size) {
+RgbaImage maskImage(const Mask& mask, ImageSize size) {
   long x_sum = 0, y_sum = 0, count = 0;
   for (int y = 0; y < mask.height; ++y)
     for (int x = 0; x < mask.width; ++x)
@@ -63,21 +63,21 @@ Picture maskPicture(const Mask& mask, PictureSize size) {
   if (count == 0) throw Error("a synthetic camera does not see the hand of figure 1");
   const int left = static_cast<int>(x_sum / count) - size.width / 2,
             top = static_cast<int>(y_sum / count) - size.height / 2;
-  Picture picture{size, {}};
+  RgbaImage image{size, {}};
   for (int y = top; y < top + size.height; ++y)
     for (int x = left; x < left + size.width; ++x) {
       const bool inside = x >= 0 && y >= 0 && x < mask.width && y < mask.height;
       if (inside && mask.pixels[std::size_t(y) * std::size_t(mask.width) + std::size_t(x)])
-        picture.rgba.insert(picture.rgba.end(), {243, 238, 230, 255});
+        image.rgba.insert(image.rgba.end(), {243, 238, 230, 255});
       else
-        picture.rgba.insert(picture.rgba.end(), {58, 62, 68, 255});
+        image.rgba.insert(image.rgba.end(), {58, 62, 68, 255});
     }
-  return picture;
+  return image;
 }
 
 /// The synthetic cameras before a hand without its forearm.
 struct Photographs {
-  std::vector<Picture> pictures;
+  std::vector<RgbaImage> images;
   std::vector<Mask> masks;
 };
 Photographs photograph(Gpu& gpu, const GpuRig& rig, const std::vector<TriangleMesh>& meshes,
@@ -88,7 +88,7 @@ Photographs photograph(Gpu& gpu, const GpuRig& rig, const std::vector<TriangleMe
   Photographs result;
   for (std::size_t i = 0; i < rig.cameraCount(); ++i) {
     const Camera& camera = rig.rig().cameras[i];
-    result.pictures.push_back(cameraPicture(rig, sensor.pictures(), i));
+    result.images.push_back(cameraImage(rig, sensor.images(), i));
     Mask mask{camera.width, camera.height, {}};
     for (const double share : sensor.coverage(i)) mask.pixels.push_back(share > 0.5 ? 255 : 0);
     result.masks.push_back(std::move(mask));
@@ -97,7 +97,7 @@ Photographs photograph(Gpu& gpu, const GpuRig& rig, const std::vector<TriangleMe
 }
 
 /// Fig. 1: silhouettes, and the voxel model that they carve.
-Picture voxelModel(Gpu& gpu, const HandModel& hand, int voxels) {
+RgbaImage voxelModel(Gpu& gpu, const HandModel& hand, int voxels) {
   const GpuRig rig(gpu, demoRig());
   // turned to where four cameras' hull is least swollen: 1.35 times the hand, other ways up to twice
   const Pose world_from_hand = turned(uprightHand(), Vec3::Zero(), Vec3(0.41, -0.18, 0.77), Vec3::Zero());
@@ -115,26 +115,26 @@ Picture voxelModel(Gpu& gpu, const HandModel& hand, int voxels) {
   scene.workspace = rig.rig().workspace;
   scene.voxels = &carver;
   scene.ground_z_m = -0.12;
-  Page page({1280, 960});
-  Painter painter(gpu, {928, 912});
+  ContactSheet page({1280, 960});
+  OffscreenRenderer painter(gpu, {928, 912});
   page.lay(painter.paint(scene, nearView(-1.22, 0.3, 0.56, Vec3(0, 0, -0.012))), kMargin, kMargin);
-  const PictureSize thumbnail{288, 216};
+  const ImageSize thumbnail{288, 216};
   for (std::size_t i = 0; i < 4; ++i)
-    page.lay(maskPicture(photographs.masks[i], thumbnail), kMargin + 928 + kGap,
+    page.lay(maskImage(photographs.masks[i], thumbnail), kMargin + 928 + kGap,
              kMargin + static_cast<int>(i) * (thumbnail.height + kGap));
-  return page.picture();
+  return page.image();
 }
 
 /// Fig. 2: links and joints, and the skin around them.
-Picture skeletalModel(Gpu& gpu, const HandModel& hand) {
+RgbaImage skeletalModel(Gpu& gpu, const HandModel& hand) {
   const DrawnMesh skin = DrawnMesh::withDistances(gpu, hand.skin);
   const Pose pose = uprightHand();
   const View view = nearView(-1.85, 0.12, 0.52, Vec3(0.004, 0, 0.005));
   Scene scene;
   scene.capsules = skeletonCapsules(hand, pose);
   scene.ground_z_m = -0.125;
-  Page page({1280, 800});
-  Painter painter(gpu, {608, 752});
+  ContactSheet page({1280, 800});
+  OffscreenRenderer painter(gpu, {608, 752});
   page.lay(painter.paint(scene, view), kMargin, kMargin);
   SceneHand translucent;
   translucent.skin = &skin;
@@ -142,7 +142,7 @@ Picture skeletalModel(Gpu& gpu, const HandModel& hand) {
   translucent.opacity = 0.34;
   scene.hand = translucent;
   page.lay(painter.paint(scene, view), kMargin + 608 + kGap, kMargin);
-  return page.picture();
+  return page.image();
 }
 
 void addArrow(std::vector<SceneCapsule>& capsules, const Vec3& from, const Vec3& to, double radius_m,
@@ -168,7 +168,7 @@ void addArc(std::vector<SceneCapsule>& capsules, const Vec3& center, const Vec3&
 
 /// Fig. 3: the fit's coordinate system, its origin in the hand's centre of gravity, its axes the world's; the
 /// hand is turned by the angle α and moved by d.
-Picture coordinateSystem(Gpu& gpu, const HandModel& hand) {
+RgbaImage coordinateSystem(Gpu& gpu, const HandModel& hand) {
   const DrawnMesh skin = DrawnMesh::withDistances(gpu, hand.skin);
   const Vec3 centroid_in_hand = massProperties(withCaps(hand.skin)).centroid;
   Pose lying = Pose::Identity();  // fingers along x, back of the hand up
@@ -204,20 +204,20 @@ Picture coordinateSystem(Gpu& gpu, const HandModel& hand) {
   unturned.width_px = 1.6;
   scene.strokes.push_back(unturned);
 
-  Page page({1280, 960});
-  Painter painter(gpu, {1232, 912});
+  ContactSheet page({1280, 960});
+  OffscreenRenderer painter(gpu, {1232, 912});
   page.lay(painter.paint(scene, nearView(-1.2, 0.78, 0.72, Vec3(0.05, 0.035, 0))), kMargin, kMargin);
-  return page.picture();
+  return page.image();
 }
 
 /// Fig. 4: a cube, and the first three steps of its subdivision.
-Picture subdividedCube(Gpu& gpu) {
+RgbaImage subdividedCube(Gpu& gpu) {
   const PolygonMesh cage = presetCage("cube");
   double low_z_m = 0;
   for (const Vec3& point : cage.points) low_z_m = std::min(low_z_m, point.z());
-  const PictureSize panel{456, 500};
-  Page page({2 * kMargin + 4 * panel.width + 3 * kGap, 2 * kMargin + panel.height});
-  Painter painter(gpu, panel);
+  const ImageSize panel{456, 500};
+  ContactSheet page({2 * kMargin + 4 * panel.width + 3 * kGap, 2 * kMargin + panel.height});
+  OffscreenRenderer painter(gpu, panel);
   for (int level = 0; level <= 3; ++level) {
     PolygonMesh mesh = cage;
     if (level > 0) {
@@ -246,7 +246,7 @@ Picture subdividedCube(Gpu& gpu) {
     page.lay(painter.paint(scene, nearView(-1.05, 0.42, 0.95, Vec3(0, 0, -0.01))),
              kMargin + level * (panel.width + kGap), kMargin);
   }
-  return page.picture();
+  return page.image();
 }
 
 /// A camera's body, seen from outside.
@@ -259,7 +259,7 @@ void addCamera(std::vector<SceneCapsule>& capsules, const View& view) {
 }
 
 /// Fig. 5: cameras all around the workspace, hand and clay in it; below, what they see.
-Picture cameraSystem(Gpu& gpu, const HandModel& hand) {
+RgbaImage cameraSystem(Gpu& gpu, const HandModel& hand) {
   const GpuRig rig(gpu, demoRig());
   const HandScript script = demoScript();
   const Pose world_from_hand = script.at(0.27 * script.endS()).value();
@@ -287,14 +287,14 @@ Picture cameraSystem(Gpu& gpu, const HandModel& hand) {
     addCamera(scene.capsules, cameraView(camera, scene.workspace));
   scene.ground_z_m = -0.5 * scene.workspace.edge_m;
 
-  Page page({1280, 960});
-  const PictureSize inset{296, 222};
-  Painter painter(gpu, {1232, 960 - 2 * kMargin - kGap - inset.height});
+  ContactSheet page({1280, 960});
+  const ImageSize inset{296, 222};
+  OffscreenRenderer painter(gpu, {1232, 960 - 2 * kMargin - kGap - inset.height});
   page.lay(painter.paint(scene, nearView(-1.15, 0.36, 3.4, Vec3(0, 0, 0.26))), kMargin, kMargin);
   for (int i = 0; i < 4; ++i)
-    page.lay(reduced(photographs.pictures[static_cast<std::size_t>(i)], inset),
+    page.lay(reduced(photographs.images[static_cast<std::size_t>(i)], inset),
              kMargin + i * (inset.width + kGap), 960 - kMargin - inset.height);
-  return page.picture();
+  return page.image();
 }
 
 /// The moments of fig. 6 in the demo's script, seconds: beside the clay, pressing, pressed in, away, pressing
@@ -302,7 +302,7 @@ Picture cameraSystem(Gpu& gpu, const HandModel& hand) {
 constexpr double kMoments[] = {1.25, 1.6, 1.95, 2.6, 4.75, 5.4};
 
 /// Fig. 6: the demo's hand deforms the clay, from pixels on.
-Picture deformation(Gpu& gpu, const HandModel& hand, int voxels, const std::function<void()>& step_done) {
+RgbaImage deformation(Gpu& gpu, const HandModel& hand, int voxels, const std::function<void()>& step_done) {
   Synthetic recording(gpu);
   const ClayState clay{presetCage("tube")};
   Pipeline pipeline(gpu, recording.rig(), hand, {voxels}, clay);
@@ -312,9 +312,9 @@ Picture deformation(Gpu& gpu, const HandModel& hand, int voxels, const std::func
   double low_z_m = 0;
   for (const Vec3& point : pipeline.clay().surface().points) low_z_m = std::min(low_z_m, point.z());
 
-  const PictureSize panel{616, 500};
-  Page page({2 * kMargin + 3 * panel.width + 2 * kGap, 2 * kMargin + 2 * panel.height + kGap});
-  Painter painter(gpu, panel);
+  const ImageSize panel{616, 500};
+  ContactSheet page({2 * kMargin + 3 * panel.width + 2 * kGap, 2 * kMargin + 2 * panel.height + kGap});
+  OffscreenRenderer painter(gpu, panel);
   std::size_t drawn_panels = 0;
   while (const std::optional<PlayedFrame> frame = player.next()) {
     if (drawn_panels == std::size(kMoments)) break;
@@ -334,7 +334,7 @@ Picture deformation(Gpu& gpu, const HandModel& hand, int voxels, const std::func
     ++drawn_panels;
     step_done();
   }
-  return page.picture();
+  return page.image();
 }
 
 }  // namespace
@@ -346,8 +346,8 @@ int figureSteps() {
 void drawFigures(Gpu& gpu, const std::filesystem::path& folder, int voxels,
                  const std::function<void()>& step_done) {
   const HandModel hand = builtInHand(false);
-  const auto done = [&](int number, const Picture& picture) {
-    save(folder / ("figure" + std::to_string(number) + ".png"), picture);
+  const auto done = [&](int number, const RgbaImage& image) {
+    save(folder / ("figure" + std::to_string(number) + ".png"), image);
     step_done();
   };
   done(1, voxelModel(gpu, hand, voxels));

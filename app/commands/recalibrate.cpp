@@ -12,7 +12,7 @@
 namespace airclay {
 namespace {
 
-struct RecalibrateOptions : CalibrationWords {
+struct RecalibrateOptions : CalibrationCommandOptions {
   std::string rig;
   RecalibrationOptions recalibration;
 };
@@ -33,7 +33,7 @@ Recalibration recalibrateRecording(const RecalibrateOptions& options, const Rig&
   try {
     checkSameCameras(rig, recording.cameras());  // before the search, which takes long
     const std::vector<CameraViews> views = options.findBoards(recording, board, warnings);
-    const WorkProgress progress("recalibrating", options.talks());
+    const ProgressTask progress("recalibrating", options.printsMessages());
     Recalibration found = recalibrate(board, rig, views, options.recalibration);
     keep(options, board, found, warnings);
     return found;
@@ -94,11 +94,11 @@ void print(const RecalibrateOptions& options, const Recalibration& found) {
          change.moved ? fixed(change.turned_deg, 2) + " deg" : "", std::to_string(quality.views),
          std::to_string(quality.shared_views), fixed(change.rms_px_before, 2), fixed(quality.rms_px, 2)});
   }
-  if (options.talks()) printTable(rows);
-  say(options, worldWords(options, found));
-  say(options, "corners are off by " + fixed(calibration.rms_px, 2) + " px RMS, with the old rig by " +
-                   fixed(found.rms_px_before, 2) + " px; lengths on the board by " + scaleWords(calibration));
-  say(options, outputWords(options));
+  if (options.printsMessages()) printTable(rows);
+  printLine(options, worldWords(options, found));
+  printLine(options, "corners are off by " + fixed(calibration.rms_px, 2) + " px RMS, with the old rig by " +
+                   fixed(found.rms_px_before, 2) + " px; lengths on the board by " + describeScale(calibration));
+  printLine(options, describeOutput(options));
 }
 
 nlohmann::ordered_json jsonOf(const Recalibration& found) {
@@ -135,7 +135,7 @@ void runRecalibrate(RecalibrateOptions options) {
   if (options.json) printJson(jsonOf(found));
   print(options, found);
   if (!options.json)
-    for (const std::string& warning : found.calibration.warnings) warn(warning);
+    for (const std::string& warning : found.calibration.warnings) printWarning(warning);
 }
 
 }  // namespace
@@ -144,7 +144,7 @@ void addRecalibrate(CLI::App& program, int&) {
   CLI::App* command =
       program.add_subcommand("recalibrate", "put a rig right whose cameras were bumped, from a waved board");
   const auto options = std::make_shared<RecalibrateOptions>();
-  options->wanted = WantedViews::forPlaces();
+  options->wanted = RequiredViews::forPlaces();
   command
       ->add_option(
           "RIG", options->rig,

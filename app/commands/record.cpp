@@ -23,14 +23,14 @@ constexpr double kAwayS = 5;
 constexpr double kWaitS = 0.1;
 
 struct RecordOptions : CommonOptions {
-  CameraWords cameras;
+  CameraOptions cameras;
   std::string rig, out;
   double seconds = 0;  ///< 0: until Ctrl-C, or the end of files
   int background = 0;  ///< sets
   double background_s = 0;
 };
 
-/// What the cameras are called and how large their pictures are: all that a recording needs where the rig is
+/// What the cameras are called and how large their images are: all that a recording needs where the rig is
 /// still to be calibrated.
 Rig namesAndSizes(const std::vector<CameraStatus>& cameras) {
   Rig rig;
@@ -54,10 +54,10 @@ class Watcher {
       const bool bad =
           state == CameraState::kFrozen || state == CameraState::kLost || state == CameraState::kReconnecting;
       if (bad && !bad_[c])
-        warn("camera \"" + all[c].name + "\" is " + wordsOn(state) +
+        printWarning("camera \"" + all[c].name + "\" is " + wordsOn(state) +
              (all[c].fault.empty() ? "" : " (" + all[c].fault + ")") +
              "; nothing is recorded until it is back");
-      if (!bad && bad_[c]) warn("camera \"" + all[c].name + "\" is back");
+      if (!bad && bad_[c]) printWarning("camera \"" + all[c].name + "\" is back");
       bad_[c] = bad;
     }
   }
@@ -113,7 +113,7 @@ std::optional<LiveSet> Recorder::nextComplete() {
   if (set && sets_ > 0) {
     ++incomplete_;
     missed_.resize(status.size());
-    for (std::size_t c = 0; c < status.size(); ++c) missed_[c] += set->pictures[c].bgr.empty();
+    for (std::size_t c = 0; c < status.size(); ++c) missed_[c] += set->images[c].bgr.empty();
   }
   if (secondsBetween(last_complete_, Clock::now()) < kAwayS) return std::nullopt;
   why_ = "no complete set has come for " + fixed(kAwayS, 0) + " s";
@@ -121,7 +121,7 @@ std::optional<LiveSet> Recorder::nextComplete() {
     if (one.state != CameraState::kLive && one.state != CameraState::kLate)
       why_ = "camera \"" + one.name + "\" is " + wordsOn(one.state) + " for " + fixed(kAwayS, 0) + " s";
   if (const std::optional<double> skew_s = cameras_.refusedSkew())
-    why_ += ": the pictures are " + fixed(1000 * *skew_s, 1) + " ms apart, and " +
+    why_ += ": the images are " + fixed(1000 * *skew_s, 1) + " ms apart, and " +
             fixed(1000 * cameras_.maxSkew(), 1) + " are allowed (--max-skew-ms)";
   return std::nullopt;
 }
@@ -129,14 +129,14 @@ std::optional<LiveSet> Recorder::nextComplete() {
 /// The mean of the first sets: it has less noise than any of them.
 void Recorder::takeBackground(int sets) {
   std::vector<std::vector<unsigned>> sums;
-  Progress progress("background", sets, options_.talks());
+  Progress progress("background", sets, options_.printsMessages());
   while (background_sets_ < sets && why_.empty() && !cameras_.ended()) {
     progress.reach(double(background_sets_) / sets);
     const std::optional<LiveSet> set = nextComplete();
     if (!set) continue;
-    sums.resize(set->pictures.size());
+    sums.resize(set->images.size());
     for (std::size_t c = 0; c < sums.size(); ++c) {
-      const std::vector<std::uint8_t>& bgr = set->pictures[c].bgr;
+      const std::vector<std::uint8_t>& bgr = set->images[c].bgr;
       sums[c].resize(bgr.size());
       for (std::size_t i = 0; i < bgr.size(); ++i) sums[c][i] += bgr[i];
     }
@@ -160,7 +160,7 @@ void Recorder::write(LiveSet set) {
   }
   TakenSet taken;
   for (const double time_s : times_s) taken.camera_times_s.push_back(time_s - first_s_);
-  for (LivePicture& picture : set.pictures) taken.bytes.push_back(std::move(picture.bgr));
+  for (LiveImage& image : set.images) taken.bytes.push_back(std::move(image.bgr));
   last_s_ = set.time_s;
   skews_s_.push_back(set.skew_s);
   ++sets_;
@@ -171,7 +171,7 @@ void Recorder::run() {
   const Clock::time_point start = Clock::now();
   const auto passed = [&] { return secondsBetween(start, Clock::now()); };
   Progress progress("recording", static_cast<int>(std::ceil(options_.seconds)),
-                    options_.talks() && options_.seconds > 0);
+                    options_.printsMessages() && options_.seconds > 0);
   while (why_.empty() && !cameras_.ended() && writer_.status().fault.empty()) {
     progress.reach(options_.seconds > 0 ? std::min(1.0, passed() / options_.seconds) : 0);
     if (options_.seconds > 0 && sets_ > 0 && last_s_ - first_s_ >= options_.seconds) return;
@@ -248,10 +248,10 @@ void runRecord(const RecordOptions& options) {
                              : static_cast<int>(std::lround(options.background_s * cameras.slowestRateHz()));
   try {
     if (background > 0) {
-      say(options, "the empty workspace first: " + std::to_string(background) + " sets, keep out of it");
+      printLine(options, "the empty workspace first: " + std::to_string(background) + " sets, keep out of it");
       recorder.takeBackground(background);
     }
-    if (options.seconds == 0) say(options, "recording; Ctrl-C ends it");
+    if (options.seconds == 0) printLine(options, "recording; Ctrl-C ends it");
     recorder.run();
   } catch (const Interrupted&) {
     // how a recording without --seconds is ended
@@ -263,7 +263,7 @@ void runRecord(const RecordOptions& options) {
     fault = error.what();
   }
   if (options.json) printJson(recorder.figures());
-  say(options, recorder.words());
+  printLine(options, recorder.words());
   if (!fault.empty()) throw Error(fault);
   const int sets = recorder.figures()["sets"];
   if (!recorder.whyItEnded().empty())
@@ -280,7 +280,7 @@ void runRecord(const RecordOptions& options) {
 
 void addRecord(CLI::App& program, int&) {
   CLI::App* command =
-      program.add_subcommand("record", "record a take from cameras, every picture with its time");
+      program.add_subcommand("record", "record a take from cameras, every image with its time");
   const auto options = std::make_shared<RecordOptions>();
   command
       ->add_option("--rig", options->rig,

@@ -41,7 +41,7 @@ void moveWorkspace(const RigOptions& options, RigReading& reading) {
   if (options.edge_m > 0) reading.rig.workspace.edge_m = options.edge_m;
   if (options.center.empty()) return;
   if (options.center != "auto") {
-    reading.rig.workspace.center = placeFrom("--center", options.center);
+    reading.rig.workspace.center = parsePoint("--center", options.center);
     return;
   }
   const std::optional<Vec3> meet = whereAxesMeet(reading.rig);
@@ -51,8 +51,8 @@ void moveWorkspace(const RigOptions& options, RigReading& reading) {
 }
 
 RigReading readTheRig(const RigOptions& options) {
-  if (!options.center.empty() && options.center != "auto") placeFrom("--center", options.center);
-  RigReading reading = readAnyRig(options.rig, unitsOf(options.units));
+  if (!options.center.empty() && options.center != "auto") parsePoint("--center", options.center);
+  RigReading reading = readAnyRig(options.rig, parseUnits(options.units));
   moveWorkspace(options, reading);
   return reading;
 }
@@ -68,24 +68,24 @@ std::filesystem::path recordingsOf(const ConvertOptions& options) {
 }
 
 void runConvert(const ConvertOptions& options) {
-  const RigForm form = *rigFormNamed(options.to);
-  if (form == RigForm::kEasyMocap && std::filesystem::path(options.out).has_extension())
+  const RigFormat form = *rigFormatNamed(options.to);
+  if (form == RigFormat::kEasyMocap && std::filesystem::path(options.out).has_extension())
     throw Error("--out " + options.out + ": EasyMocap's rig is two files; a folder's name would be right",
                 Fault::kUsage);
   RigReading reading = readTheRig(options);
   Rig rig = reading.rigWithoutFaults();
   const bool lacks_sizes = std::any_of(rig.cameras.begin(), rig.cameras.end(),
                                        [](const Camera& camera) { return camera.width == 0; });
-  if (lacks_sizes) lookAtTake(recordingsOf(options), rig, {.instants = 0});
+  if (lacks_sizes) inspectTake(recordingsOf(options), rig, {.instants = 0});
   checkRig(rig, reading.where);
-  if (form == RigForm::kEasyMocap)
+  if (form == RigFormat::kEasyMocap)
     makeFolder(options.out);
   else
     checkWritable(options.out);
   writeRigAs(form, options.out, rig);
-  for (const std::string& note : rigFormNotes(form, rig)) warn(note);
+  for (const std::string& note : rigFormatNotes(form, rig)) printWarning(note);
   if (options.json) printJson({{"cameras", rig.cameras.size()}, {"form", options.to}});
-  say(options, counted(rig.cameras.size(), "camera") + ", in " + options.out);
+  printLine(options, counted(rig.cameras.size(), "camera") + ", in " + options.out);
 }
 
 // --- check ---
@@ -95,11 +95,11 @@ struct RigReport {
   std::string where;
   std::optional<RigFigures> figures;           ///< none of a rig that cannot be measured
   std::vector<SilhouetteAgreement> agreement;  ///< a camera each; none without silhouettes
-  std::vector<RigFinding> findings;
+  std::vector<RigDiagnostic> findings;
 
-  void add(const std::vector<RigFinding>& more) { findings.insert(findings.end(), more.begin(), more.end()); }
+  void add(const std::vector<RigDiagnostic>& more) { findings.insert(findings.end(), more.begin(), more.end()); }
   std::size_t faults() const {
-    return std::size_t(std::count_if(findings.begin(), findings.end(), [](const RigFinding& finding) {
+    return std::size_t(std::count_if(findings.begin(), findings.end(), [](const RigDiagnostic& finding) {
       return finding.severity == Severity::kFault;
     }));
   }
@@ -122,22 +122,22 @@ RigReport reportOn(const CheckOptions& options) {
   }
   report.where = reading.where;
   report.add(reading.faults);
-  RigTake take;
+  TakeInspection take;
   if (!options.take.empty()) {
-    const WorkProgress progress("looking at the recording", options.talks());
-    take = lookAtTake(options.take, reading.rig, {.background_frames = options.background_frames});
+    const ProgressTask progress("looking at the recording", options.printsMessages());
+    take = inspectTake(options.take, reading.rig, {.background_frames = options.background_frames});
     report.add(take.findings);
   }
-  const std::vector<RigFinding> faults = rigFaults(reading.rig);
+  const std::vector<RigDiagnostic> faults = rigErrors(reading.rig);
   report.add(faults);
   if (!canBeMeasured(reading.rig)) return report;
   report.figures = measureRig(reading.rig);
-  report.add(rigSuspicions(reading.rig));
+  report.add(rigWarnings(reading.rig));
   const bool fits = take.findings.empty() && reading.faults.empty() && reading.rig.cameras.size() >= 2;
   if (!fits || take.instants.empty()) return report;
-  const WorkProgress progress("carving", options.talks());
+  const ProgressTask progress("carving", options.printsMessages());
   report.agreement = silhouetteAgreement(reading.rig, take.instants);
-  report.add(silhouetteFindings(reading.rig, take.instants, report.agreement, take.trust));
+  report.add(silhouetteDiagnostics(reading.rig, take.instants, report.agreement, take.trust));
   return report;
 }
 
@@ -154,7 +154,7 @@ ordered_json jsonOf(const RigReport& report) {
     if (!report.agreement.empty()) camera["explained"] = report.agreement[i].explainedShare();
     cameras.push_back(camera);
   }
-  for (const RigFinding& finding : report.findings)
+  for (const RigDiagnostic& finding : report.findings)
     findings.push_back({{"camera", finding.camera},
                         {"severity", finding.severity == Severity::kFault ? "fault" : "suspicion"},
                         {"what", finding.what}});
@@ -184,7 +184,7 @@ void printReport(const RigReport& report) {
     printTable(rows);
     std::puts(("two cameras or more see " + percent(report.figures->seen_by_two) + " of the cube").c_str());
   }
-  for (const RigFinding& finding : report.findings) {
+  for (const RigDiagnostic& finding : report.findings) {
     const std::string whose = finding.camera.empty() ? "" : "camera \"" + finding.camera + "\": ";
     const std::string line =
         (finding.severity == Severity::kFault ? "fault: " : "suspicion: ") + whose + finding.what;
@@ -196,13 +196,13 @@ void printReport(const RigReport& report) {
 void runCheck(const CheckOptions& options, int& status) {
   const RigReport report = reportOn(options);
   if (options.json) printJson(jsonOf(report));
-  if (options.talks()) printReport(report);
+  if (options.printsMessages()) printReport(report);
   const std::size_t faults = report.faults();
   if (faults == 0) return;
   const auto first =
       std::find_if(report.findings.begin(), report.findings.end(),
-                   [](const RigFinding& finding) { return finding.severity == Severity::kFault; });
-  warn(faultMessage(*first, report.where) +
+                   [](const RigDiagnostic& finding) { return finding.severity == Severity::kFault; });
+  printWarning(faultMessage(*first, report.where) +
        (faults > 1 ? " (and " + counted(faults - 1, "more fault") + ")" : ""));
   status = static_cast<int>(Fault::kInput);
 }
@@ -242,7 +242,7 @@ void addConvert(CLI::App& rig) {
       ->required();
   command
       ->add_option("--take", options->take,
-                   "the recording that says the pictures' sizes, where the rig doesn't [the rig's folder]")
+                   "the recording that says the images' sizes, where the rig doesn't [the rig's folder]")
       ->type_name("TAKE");
   addCommonOptions(*command, *options, Uses::kNothing, true);
   command->footer(

@@ -23,13 +23,13 @@ namespace airclay {
 namespace {
 
 struct SculptOptions : CommonOptions {
-  TakeWords take;
-  ClayWords words;
+  TakeInputOptions take;
+  ClayOptions words;
   std::string hand = "right", fit = "paper", clay = "tube", out = "out/sculpt", video;
   std::optional<Vec3> place;  ///< world, metres
   double size_m = 0;          ///< 0: as it comes
   std::string rig, save, log, tool = "push", symmetry;
-  CameraWords cameras;
+  CameraOptions cameras;
   std::string record;
   bool headless = false, unsteady = false, afresh = false;
   std::vector<std::string> given;  ///< words on the command line that a replay has no use for
@@ -55,7 +55,7 @@ PolygonMesh placedCage(const SculptOptions& options, const Workspace& workspace)
     inside = inside && cube.contains(point);
   }
   if (!inside)
-    warn("the clay reaches outside the workspace, where no hand is seen; --place and --size put it inside");
+    printWarning("the clay reaches outside the workspace, where no hand is seen; --place and --size put it inside");
   return cage;
 }
 
@@ -76,7 +76,7 @@ SculptControls controlsFrom(const SculptOptions& options) {
 
 ClayState clayAtStart(const SculptOptions& options, const Workspace& workspace) {
   return {placedCage(options, workspace), options.words.subdivisionRule(), options.words.levels,
-          options.words.solveRows()};
+          options.words.solveMethod()};
 }
 
 /// Where clay goes that was given no document: it is kept all the same.
@@ -125,7 +125,7 @@ void sculptInWindow(Gpu& gpu, const Session::Options& session, const SculptOptio
   if (Document::open(file).history().size() == 1)
     std::filesystem::remove(file);
   else
-    say(options, "the clay is kept in " + file.string());
+    printLine(options, "the clay is kept in " + file.string());
 }
 
 /// A document that is gone at the end: without a window nobody goes on with it.
@@ -174,7 +174,7 @@ Job jobFor(const SculptOptions& options, Recording* recording, const Rig& rig) {
 void sculptWithout(Gpu& gpu, Job& job, const SculptOptions& options, Document document) {
   makeFolder(options.out);
   job.sculpting.clay = document.state();
-  job.session.settings.steady = !options.unsteady;
+  job.session.settings.filtered = !options.unsteady;
   sculptHeadless(gpu, job.session, job.sculpting, controlsFrom(options), std::move(document), options);
 }
 
@@ -206,13 +206,13 @@ void sculptLive(const SculptOptions& options) {
   if (options.rig.empty())
     throw Error("live cameras want their calibration: --rig RIG.toml would be right", Fault::kUsage);
   controlsFrom(options);  // refused before anything is opened
-  const Rig rig = readRig(options.rig, unitsOf(options.take.units));
-  CameraWords words = options.cameras;
-  words.usual_size = PictureSize{rig.cameras[0].width, rig.cameras[0].height};
+  const Rig rig = readRig(options.rig, parseUnits(options.take.units));
+  CameraOptions words = options.cameras;
+  words.usual_size = ImageSize{rig.cameras[0].width, rig.cameras[0].height};
   CommandGpu gpu(options);  // takes half a second, in which cameras would run for nobody
   LiveRecording recording(rig, words.live(inOrderOf(rig, words.sources())),
                           words.liveOptions(LiveOptions::Sets::kNewest), options.take.background_frames);
-  say(options, "keep hand and arm away until the empty workspace is learned");
+  printLine(options, "keep hand and arm away until the empty workspace is learned");
   sculptRecording(gpu, options, recording);
 }
 
@@ -245,13 +245,13 @@ Document replayDocument(const SculptOptions& options, const std::filesystem::pat
 void replay(SculptOptions options) {
   if (!options.given.empty())
     throw Error(options.given.front() +
-                    " has no place in a replay, which knows it all; --afresh plays the pictures alone",
+                    " has no place in a replay, which knows it all; --afresh plays the images alone",
                 Fault::kUsage);
   const std::filesystem::path folder = options.take.folder;
   const Replay replay{folder, readActions(folder / kActionsFile)};
-  const ActionsHead& head = replay.actions.head;
+  const ActionsHeader& head = replay.actions.head;
   if (!replay.actions.ended)
-    warn(folder.string() + ": the recording broke off; it is played as far as it goes");
+    printWarning(folder.string() + ": the recording broke off; it is played as far as it goes");
   options.voxels = head.voxels;
   const bool built_in = head.hand == "right" || head.hand == "left";
   options.hand = built_in ? head.hand : (folder / head.hand).string();
@@ -270,7 +270,7 @@ void replay(SculptOptions options) {
     const std::filesystem::path file = options.save.empty() ? unsavedFile().string() : options.save;
     runStudio(gpu, job.session, replayDocument(options, file),
               {.forearm = job.sculpting.forearm, .log = options.log});
-    say(options, "the clay is kept in " + file.string());
+    printLine(options, "the clay is kept in " + file.string());
     return;
   }
   const PassingDocument passing;
@@ -298,7 +298,7 @@ void demoInWindow(Gpu& gpu, const Job& job, const SculptOptions& options) {
     if (!results) results.emplace(gpu, pipeline, session.recording, job.sculpting);
     if (frame) return results->add(*frame);
     results->finish(pipeline);
-    results->say(options);
+    results->printLine(options);
   };
   sculptInWindow(gpu, session, options,
                  {.title = "Airclay: the demo",
@@ -347,7 +347,7 @@ void addSculpt(CLI::App& program, int&) {
       ->type_name("PRESET|FILE");
   command
       ->add_option_function<std::string>(
-          "--place", [options](const std::string& text) { options->place = placeFrom("--place", text); },
+          "--place", [options](const std::string& text) { options->place = parsePoint("--place", text); },
           "where the clay's middle stands: world, metres")
       ->type_name("X,Y,Z");
   command->add_option("--size", options->size_m, "the clay's longest side in metres")
@@ -370,10 +370,10 @@ void addSculpt(CLI::App& program, int&) {
   command
       ->add_option(
           "--record", options->record,
-          "a new folder: the sets of pictures that are used, and all that is done, to be played again")
+          "a new folder: the sets of images that are used, and all that is done, to be played again")
       ->type_name("DIR");
   command->add_flag("--afresh", options->afresh,
-                    "of such a recording, the pictures alone, without what was done at the time");
+                    "of such a recording, the images alone, without what was done at the time");
   addLog(*command, *options);
   addOut(*command, *options);
   command->add_option("--video", options->video, "a video of it, too")->type_name("FILE.mp4");
@@ -405,7 +405,7 @@ void addDemo(CLI::App& program, int&) {
   command->footer(
       "A scripted hand before synthetic cameras presses the paper's clay; its true poses are known, so "
       "the\n"
-      "errors are printed. Leaves surface.obj, cage.obj, poses.tum, pictures and demo.mp4.");
+      "errors are printed. Leaves surface.obj, cage.obj, poses.tum, images and demo.mp4.");
   command->callback([options] { runDemo(*options); });
 }
 

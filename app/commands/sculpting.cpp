@@ -39,10 +39,10 @@ class ClayFigures {
 class Film {
  public:
   Film(Gpu& gpu, const Pipeline& pipeline, const Sculpting& sculpting, double rate_hz)
-      : pictures_(gpu, pipeline, sculpting.clay, sculpting.forearm), out_(sculpting.out) {
+      : images_(gpu, pipeline, sculpting.clay, sculpting.forearm), out_(sculpting.out) {
     if (sculpting.video)
-      video_.emplace(*sculpting.video, VideoWriter::Options{SculptPictures::kSize, rate_hz});
-    save(out_ / "before.png", pictures_.frame(std::nullopt));
+      video_.emplace(*sculpting.video, VideoWriter::Options{SculptRenderer::kSize, rate_hz});
+    save(out_ / "before.png", images_.frame(std::nullopt));
   }
 
   void take(const FrameResult& result) {
@@ -50,21 +50,21 @@ class Film {
     if (result.hand == HandState::kTracked) world_from_hand = result.fit.world_from_hand;
     const bool first_touch = !touched_ && result.clay.touched > 0;
     if (!video_ && !first_touch) return;
-    const Picture picture = pictures_.frame(world_from_hand);
-    if (video_) video_->write(picture.rgba);
+    const RgbaImage image = images_.frame(world_from_hand);
+    if (video_) video_->write(image.rgba);
     if (!first_touch) return;
     touched_ = true;
-    save(out_ / "touch.png", picture);
-    save(out_ / "workings.png", pictures_.workings(world_from_hand));
+    save(out_ / "touch.png", image);
+    save(out_ / "workings.png", images_.workings(world_from_hand));
   }
 
   void finish() {
-    save(out_ / "after.png", pictures_.frame(std::nullopt));
+    save(out_ / "after.png", images_.frame(std::nullopt));
     if (video_) video_->finish();
   }
 
  private:
-  SculptPictures pictures_;
+  SculptRenderer images_;
   std::filesystem::path out_;
   std::optional<VideoWriter> video_;
   bool touched_ = false;
@@ -103,11 +103,11 @@ void SculptResults::finish(const Pipeline& pipeline) {
   writePoses(sculpting.out / "poses.tum", parts_->tracking.poses());
 }
 
-void SculptResults::say(const CommonOptions& options) const {
+void SculptResults::printLine(const CommonOptions& options) const {
   const Sculpting& sculpting = parts_->sculpting;
-  for (const std::string& line : parts_->tracking.words()) airclay::say(options, line);
-  airclay::say(options, parts_->clay.words());
-  airclay::say(options, "surface.obj, cage.obj, poses.tum and pictures in " + sculpting.out.string() +
+  for (const std::string& line : parts_->tracking.words()) airclay::printLine(options, line);
+  airclay::printLine(options, parts_->clay.words());
+  airclay::printLine(options, "surface.obj, cage.obj, poses.tum and images in " + sculpting.out.string() +
                             (sculpting.video ? ", the video " + sculpting.video->string() : ""));
 }
 
@@ -115,7 +115,7 @@ void sculptHeadless(Gpu& gpu, const Session::Options& options, const Sculpting& 
                     const SculptControls& controls, Document document, const CommonOptions& common) {
   std::optional<SculptResults> results;
   std::optional<Progress> progress(std::in_place, options.replay ? "replaying" : "sculpting",
-                                   options.recording ? options.recording->frameCount() : 1, common.talks());
+                                   options.recording ? options.recording->frameCount() : 1, common.printsMessages());
   Session::Options session_options = options;
   session_options.headless = true;
   session_options.settings.tool = controls.tool;
@@ -129,8 +129,8 @@ void sculptHeadless(Gpu& gpu, const Session::Options& options, const Sculpting& 
   Session session(gpu, session_options, std::move(document));
   session.finish();
   progress.reset();
-  results->say(common);
-  for (const std::string& line : session.takeNotes()) say(common, line);
+  results->printLine(common);
+  for (const std::string& line : session.takeMessages()) printLine(common, line);
 }
 
 }  // namespace airclay

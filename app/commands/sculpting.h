@@ -35,7 +35,7 @@ class SculptResults {
   void add(const PlayedFrame& frame);
   /// Writes what is left.
   void finish(const Pipeline& pipeline);
-  void say(const CommonOptions& options) const;
+  void printLine(const CommonOptions& options) const;
 
  private:
   struct Parts;

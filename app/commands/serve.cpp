@@ -21,7 +21,7 @@ using Json = nlohmann::ordered_json;
 constexpr auto kLookAgain = std::chrono::milliseconds(50);
 
 struct ServeOptions : CommonOptions {
-  CameraWords cameras;
+  CameraOptions cameras;
   std::string address = "127.0.0.1";
   int port = 8554;
   double for_s = 0;  ///< 0: until Ctrl-C, or the end of files
@@ -46,7 +46,7 @@ class Watcher {
         line = camera.fault + "; it is opened again once a second, and the others go on";
       else
         line += std::string(wordsOn(now)) + "; the others go on";
-      warn(line);
+      printWarning(line);
     }
   }
 
@@ -60,15 +60,15 @@ class Watcher {
 
 void sayAddresses(const ServeOptions& options, const StreamServer& server) {
   for (const StreamStatus& stream : server.status())
-    say(options, stream.address + "  " + std::to_string(stream.camera.size.width) + "x" +
+    printLine(options, stream.address + "  " + std::to_string(stream.camera.size.width) + "x" +
                      std::to_string(stream.camera.size.height) + " at " + fixed(stream.camera.rate_hz, 2) +
                      " Hz");
   if (options.address == "0.0.0.0" || options.address == "::")
-    say(options, "this machine's name or address goes in the place of " + options.address);
-  if (options.for_s == 0) say(options, "Ctrl-C ends it");
+    printLine(options, "this machine's name or address goes in the place of " + options.address);
+  if (options.for_s == 0) printLine(options, "Ctrl-C ends it");
   std::fflush(stdout);  // who starts it from a script waits for these lines
   if (!options.address.starts_with("127.") && options.address != "::1")
-    warn("anyone who reaches port " + std::to_string(server.port()) +
+    printWarning("anyone who reaches port " + std::to_string(server.port()) +
          " of this machine can watch its cameras; "
          "there is no password");
 }
@@ -116,8 +116,8 @@ void runServe(const ServeOptions& options) {
   std::string line;
   for (const StreamStatus& one : last)
     line +=
-        (line.empty() ? "pictures streamed: " : ", ") + one.camera.name + " " + std::to_string(one.streamed);
-  say(options, line);
+        (line.empty() ? "images streamed: " : ", ") + one.camera.name + " " + std::to_string(one.streamed);
+  printLine(options, line);
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ namespace {
 
 struct SubdivideOptions : CommonOptions {
   std::string cage, out;
-  ClayWords clay;
+  ClayOptions clay;
 };
 
 struct DeformOptions : SubdivideOptions {
@@ -40,7 +40,7 @@ void runSubdivide(const SubdivideOptions& options) {
   writeObj(options.out, surface);
   if (options.json)
     printJson({{"control_points", cage.points.size()}, {"data_points", surface.points.size()}});
-  say(options, std::to_string(cage.points.size()) + " control points, " +
+  printLine(options, std::to_string(cage.points.size()) + " control points, " +
                    std::to_string(surface.points.size()) + " data points in " + options.out);
 }
 
@@ -48,7 +48,7 @@ void runDeform(const DeformOptions& options) {
   PolygonMesh cage = loadCage(options.cage);
   const Subdivision subdivision = subdivide(cage, options.clay.levels, options.clay.subdivisionRule());
   const std::vector<Move> moves = readMoves(options.moves, static_cast<int>(subdivision.matrix.rows()));
-  cage.points = solveControlPoints(subdivision.matrix, cage.points, moves, options.clay.solveRows());
+  cage.points = solveControlPoints(subdivision.matrix, cage.points, moves, options.clay.solveMethod());
   const PolygonMesh surface = surfaceOf(subdivision, cage.points);
   double farthest_m = 0;
   for (const Move& move : moves)
@@ -61,7 +61,7 @@ void runDeform(const DeformOptions& options) {
                {"control_points", cage.points.size()},
                {"data_points", surface.points.size()},
                {"farthest_from_target_m", farthest_m}});
-  say(options, std::to_string(moves.size()) + " moves; the surface ends within " +
+  printLine(options, std::to_string(moves.size()) + " moves; the surface ends within " +
                    fixed(1000 * farthest_m, 3) + " mm of each; control points in " + options.cage_out +
                    ", surface in " + options.out);
 }
@@ -78,18 +78,18 @@ void addCage(CLI::App& command, SubdivideOptions& options) {
 
 }  // namespace
 
-bool ClayWords::levelsGiven() const {
+bool ClayOptions::levelsGiven() const {
   return levels_option && levels_option->count() > 0;
 }
 
-void ClayWords::applyTo(ClayState& state) const {
+void ClayOptions::applyTo(ClayState& state) const {
   if (levelsGiven()) state.levels = levels;
   if (rule_option && rule_option->count() > 0) state.rule = subdivisionRule();
-  if (solve_option && solve_option->count() > 0) state.solve = solveRows();
+  if (solve_option && solve_option->count() > 0) state.solve = solveMethod();
 }
 
-void addSubdivisionOptions(CLI::App& command, ClayWords& words, Otherwise otherwise) {
-  const bool marked = otherwise == Otherwise::kDefault;
+void addSubdivisionOptions(CLI::App& command, ClayOptions& words, WhenOmitted otherwise) {
+  const bool marked = otherwise == WhenOmitted::kDefault;
   words.levels_option =
       command
           .add_option("--levels", words.levels,
@@ -103,11 +103,11 @@ void addSubdivisionOptions(CLI::App& command, ClayWords& words, Otherwise otherw
                           ->type_name("RULE");
 }
 
-void addSolveOption(CLI::App& command, ClayWords& words, Otherwise otherwise) {
+void addSolveOption(CLI::App& command, ClayOptions& words, WhenOmitted otherwise) {
   words.solve_option = command
                            .add_option("--solve", words.solve,
                                        std::string("over which data points: all") +
-                                           (otherwise == Otherwise::kDefault ? " [this]" : "") +
+                                           (otherwise == WhenOmitted::kDefault ? " [this]" : "") +
                                            " or touched, the moved ones alone")
                            ->check(CLI::IsMember({"all", "touched"}).description(""))
                            ->type_name("ROWS");

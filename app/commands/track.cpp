@@ -14,7 +14,7 @@ namespace airclay {
 namespace {
 
 struct TrackOptions : CommonOptions {
-  TakeWords take;
+  TakeInputOptions take;
   std::string poses, hand = "right", fit = "paper";
 };
 
@@ -29,7 +29,7 @@ void runTrack(const TrackOptions& options) {
   Player player(take, pipeline);
   Tracking tracking;
   {
-    Progress progress("tracking", take.frameCount(), options.talks());
+    Progress progress("tracking", take.frameCount(), options.printsMessages());
     while (const std::optional<PlayedFrame> frame = player.next()) {
       tracking.add(*frame, &take);
       progress.advance();
@@ -37,8 +37,8 @@ void runTrack(const TrackOptions& options) {
   }
   writePoses(options.poses, tracking.poses());
   if (options.json) printJson(tracking.json());
-  for (const std::string& line : tracking.words()) say(options, line);
-  say(options, "poses in " + options.poses);
+  for (const std::string& line : tracking.words()) printLine(options, line);
+  printLine(options, "poses in " + options.poses);
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 namespace airclay {
 namespace {
 
-using What = Deed::What;
+using Kind = Action::Kind;
 
 // 400 bytes a frame of the mouse's hand: six hours at 60 Hz are half of it.
 constexpr std::size_t kMostBytes = std::size_t(1) << 30;
@@ -18,8 +18,8 @@ constexpr int kFormat = 1;
 constexpr const char* kTools[] = {"push", "pull", "smooth"};
 constexpr const char* kRules[] = {"catmull-clark", "printed"};
 constexpr const char* kSolves[] = {"all", "touched"};
-// In the order of Deed::What.
-constexpr const char* kDeeds[] = {"stroke", "undo", "redo",     "refine", "form",
+// In the order of Action::Kind.
+constexpr const char* kActionNames[] = {"stroke", "undo", "redo",     "refine", "form",
                                   "turn",   "clay", "document", "again",  "empty"};
 
 std::string wordOf(const Symmetry& symmetry) {
@@ -104,45 +104,45 @@ std::optional<Pose> readHand(Line& line) {
   return pose;
 }
 
-DoneFrame readFrame(Line& line, bool by_mouse) {
-  DoneFrame frame;
+ReplayFrame readFrame(Line& line, bool by_mouse) {
+  ReplayFrame frame;
   frame.time_s = line.number("the frame's time in seconds");
   frame.step_s = line.number("the seconds since the last frame");
   frame.tool = static_cast<Tool>(line.oneOf(kTools, "push, pull or smooth"));
   frame.symmetry = readSymmetry(line);
   frame.held = line.whole(0, 1, "0 or 1 for the clutch") == 1;
-  frame.steady = line.whole(0, 1, "0 or 1 for the filter") == 1;
+  frame.filtered = line.whole(0, 1, "0 or 1 for the filter") == 1;
   if (by_mouse) frame.given_hand = readHand(line);
   const std::string more = by_mouse ? "" : line.word();
   if (more == "without")
-    frame.absent = static_cast<std::uint32_t>(line.number("the missing cameras' bits"));
+    frame.missing_cameras = static_cast<std::uint32_t>(line.number("the missing cameras' bits"));
   else if (!more.empty())
     line.fail("`without` and bits, or nothing more,");
   line.end();
   return frame;
 }
 
-std::optional<Deed> readDeed(const std::string& word, Line& line) {
-  Deed deed;
+std::optional<Action> readAction(const std::string& word, Line& line) {
+  Action action;
   int what = -1;
-  for (int i = 0; i < static_cast<int>(std::size(kDeeds)); ++i)
-    if (word == kDeeds[i]) what = i;
+  for (int i = 0; i < static_cast<int>(std::size(kActionNames)); ++i)
+    if (word == kActionNames[i]) what = i;
   if (what < 0) return std::nullopt;
-  deed.what = static_cast<What>(what);
-  if (deed.what == What::kForm) {
-    deed.levels = line.whole(1, kMaxStateLevels, "a level from 1 to " + std::to_string(kMaxStateLevels));
-    deed.rule = static_cast<SubdivisionRule>(line.oneOf(kRules, "catmull-clark or printed"));
-    deed.solve = static_cast<SolveRows>(line.oneOf(kSolves, "all or touched"));
-  } else if (deed.what == What::kTurn) {
-    for (double& value : deed.axis) value = line.number("the axis x y z");
-    deed.angle_rad = line.number("the angle in radians");
-    deed.last = line.oneOf({"more", "last"}, "more or last") == 1;
-  } else if (deed.what == What::kClay || deed.what == What::kDocument) {
-    deed.file = line.fileBeside();
-    deed.name = line.rest();
+  action.kind = static_cast<Kind>(what);
+  if (action.kind == Kind::kSurface) {
+    action.levels = line.whole(1, kMaxStateLevels, "a level from 1 to " + std::to_string(kMaxStateLevels));
+    action.rule = static_cast<SubdivisionRule>(line.oneOf(kRules, "catmull-clark or printed"));
+    action.solve = static_cast<SolveMethod>(line.oneOf(kSolves, "all or touched"));
+  } else if (action.kind == Kind::kTurn) {
+    for (double& value : action.axis) value = line.number("the axis x y z");
+    action.angle_rad = line.number("the angle in radians");
+    action.last = line.oneOf({"more", "last"}, "more or last") == 1;
+  } else if (action.kind == Kind::kClay || action.kind == Kind::kDocument) {
+    action.file = line.fileBeside();
+    action.name = line.rest();
   }
   line.end();
-  return deed;
+  return action;
 }
 
 class ActionsReader {
@@ -177,8 +177,8 @@ class ActionsReader {
       actions.steps.push_back(std::move(step));
     } else if (word == "end") {
       actions.ended = true;
-    } else if (const std::optional<Deed> deed = readDeed(word, line)) {
-      actions.after.push_back(*deed);
+    } else if (const std::optional<Action> action = readAction(word, line)) {
+      actions.after.push_back(*action);
     } else {
       throw Error(where_ + ": '" + printable(word) + "' is no action");
     }
@@ -212,28 +212,28 @@ class ActionsReader {
 
 }  // namespace
 
-std::string linesOf(const ActionsHead& head) {
+std::string linesOf(const ActionsHeader& head) {
   return "airclay-actions " + std::to_string(kFormat) + "\nbackground " +
          std::to_string(head.background_frames) + "\nvoxels " + std::to_string(head.voxels) + "\nhand " +
          head.hand + "\n" + (head.by_mouse ? "mouse\n" : "");
 }
 
-std::string lineOf(const Deed& deed) {
-  std::string line = kDeeds[static_cast<int>(deed.what)];
-  switch (deed.what) {
-    case What::kForm:
-      line += " " + std::to_string(deed.levels) + " " + kRules[static_cast<int>(deed.rule)] + " " +
-              kSolves[static_cast<int>(deed.solve)];
+std::string lineOf(const Action& action) {
+  std::string line = kActionNames[static_cast<int>(action.kind)];
+  switch (action.kind) {
+    case Kind::kSurface:
+      line += " " + std::to_string(action.levels) + " " + kRules[static_cast<int>(action.rule)] + " " +
+              kSolves[static_cast<int>(action.solve)];
       break;
-    case What::kTurn:
-      for (const double value : deed.axis) line += " " + exactNumber(value);
-      line += " " + exactNumber(deed.angle_rad) + (deed.last ? " last" : " more");
+    case Kind::kTurn:
+      for (const double value : action.axis) line += " " + exactNumber(value);
+      line += " " + exactNumber(action.angle_rad) + (action.last ? " last" : " more");
       break;
-    case What::kClay:
-      line += " " + deed.file + " " + deed.name;
+    case Kind::kClay:
+      line += " " + action.file + " " + action.name;
       break;
-    case What::kDocument:
-      line += " " + deed.file;
+    case Kind::kDocument:
+      line += " " + action.file;
       break;
     default:
       break;
@@ -241,12 +241,12 @@ std::string lineOf(const Deed& deed) {
   return line + "\n";
 }
 
-std::string lineOf(const DoneFrame& frame, bool by_mouse) {
+std::string lineOf(const ReplayFrame& frame, bool by_mouse) {
   if (frame.learned) return "learn\n";
   std::string line = "frame " + exactNumber(frame.time_s) + " " + exactNumber(frame.step_s) + " " +
                      kTools[static_cast<int>(frame.tool)] + " " + wordOf(frame.symmetry) +
-                     (frame.held ? " 1" : " 0") + (frame.steady ? " 1" : " 0");
-  if (frame.absent != 0) line += " without " + std::to_string(frame.absent);
+                     (frame.held ? " 1" : " 0") + (frame.filtered ? " 1" : " 0");
+  if (frame.missing_cameras != 0) line += " without " + std::to_string(frame.missing_cameras);
   if (by_mouse && !frame.given_hand) line += " nobody";
   if (by_mouse && frame.given_hand)
     for (int i = 0; i < 12; ++i) line += " " + exactNumber(frame.given_hand->matrix()(i / 4, i % 4));

@@ -39,12 +39,12 @@
 namespace airclay {
 
 /// What was done between two frames.
-struct Deed {
-  enum class What { kEndStroke, kUndo, kRedo, kRefine, kForm, kTurn, kClay, kDocument, kAgain, kEmpty };
-  What what = What::kUndo;
-  int levels = 2;  ///< kForm
+struct Action {
+  enum class Kind { kEndStroke, kUndo, kRedo, kRefine, kSurface, kTurn, kClay, kDocument, kRestart, kEmpty };
+  Kind kind = Kind::kUndo;
+  int levels = 2;  ///< kSurface
   SubdivisionRule rule = SubdivisionRule::kCatmullClark;
-  SolveRows solve = SolveRows::kAll;
+  SolveMethod solve = SolveMethod::kAll;
   Vec3 axis = Vec3::UnitZ();  ///< kTurn: about the workspace's centre
   double angle_rad = 0;
   bool last = false;       ///< kTurn: it is done
@@ -52,18 +52,18 @@ struct Deed {
 };
 
 /// A frame as it was worked on.
-struct DoneFrame {
+struct ReplayFrame {
   bool learned = false;  ///< the empty workspace; the rest means nothing
   double time_s = 0, step_s = 0;
   Tool tool = Tool::kPush;
   Symmetry symmetry;
-  bool held = true, steady = true;
-  std::uint32_t absent = 0;        ///< bits of cameras that had no picture
+  bool held = true, filtered = true;
+  std::uint32_t missing_cameras = 0;        ///< bits of cameras that had no image
   std::optional<Pose> given_hand;  ///< the mouse's, where there is one
 };
 
 /// How the recording was made.
-struct ActionsHead {
+struct ActionsHeader {
   int background_frames = 0, voxels = 128;
   std::string hand = "right";  ///< right, left, or a file beside
   bool by_mouse = false;
@@ -71,18 +71,18 @@ struct ActionsHead {
 
 struct Actions {
   struct Step {
-    std::vector<Deed> before;
-    DoneFrame frame;
+    std::vector<Action> before;
+    ReplayFrame frame;
   };
-  ActionsHead head;
+  ActionsHeader head;
   std::vector<Step> steps;  ///< a frame each
-  std::vector<Deed> after;  ///< the last frame
+  std::vector<Action> after;  ///< the last frame
   bool ended = false;       ///< as it should; else it broke off
 };
 
-std::string linesOf(const ActionsHead& head);
-std::string lineOf(const Deed& deed);
-std::string lineOf(const DoneFrame& frame, bool by_mouse);
+std::string linesOf(const ActionsHeader& head);
+std::string lineOf(const Action& action);
+std::string lineOf(const ReplayFrame& frame, bool by_mouse);
 inline constexpr const char* kActionsFile = "actions.txt";
 inline constexpr const char* kActionsEnd = "end\n";
 inline constexpr const char* kStartFile = "start.clay";

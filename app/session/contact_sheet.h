@@ -1,26 +1,26 @@
 // SPDX-License-Identifier: MIT
-// A sheet on which pictures are laid side by side.
+// A sheet on which images are laid side by side.
 #pragma once
 
 #include "app/session/images.h"
 
 namespace airclay {
 
-/// Pictures with rounded corners on a light sheet.
-class Page {
+/// Images with rounded corners on a light sheet.
+class ContactSheet {
  public:
   static constexpr int kMargin = 24, kGap = 16;  ///< pixels
 
-  explicit Page(PictureSize size);
-  /// The picture's upper left corner comes to (left, top). What reaches over the sheet's edge is cut off.
-  void lay(const Picture& picture, int left, int top);
-  const Picture& picture() const { return picture_; }
+  explicit ContactSheet(ImageSize size);
+  /// The image's upper left corner comes to (left, top). What reaches over the sheet's edge is cut off.
+  void lay(const RgbaImage& image, int left, int top);
+  const RgbaImage& image() const { return image_; }
 
  private:
-  Picture picture_;
+  RgbaImage image_;
 };
 
-/// Reduced to `size` by averaging, in linear light. \pre size is no larger than the picture's
-Picture reduced(const Picture& picture, PictureSize size);
+/// Reduced to `size` by averaging, in linear light. \pre size is no larger than the image's
+RgbaImage reduced(const RgbaImage& image, ImageSize size);
 
 }  // namespace airclay

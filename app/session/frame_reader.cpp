@@ -63,7 +63,7 @@ bool FrameReader::waitForRoom() {
   return false;
 }
 
-/// False when a live recording gave nothing. Its times are known only after the pictures.
+/// False when a live recording gave nothing. Its times are known only after the images.
 bool FrameReader::read(FrameSet& set) {
   set.frame = next_;
   set.captured_at = Clock::now();
@@ -75,14 +75,14 @@ bool FrameReader::read(FrameSet& set) {
   std::vector<std::span<std::uint8_t>> buffers(set.bytes.begin(), set.bytes.end());
   if (recording_.hasSilhouettes())
     recording_.readSilhouettes(set.frame, buffers);
-  else if (!recording_.readPictures(set.frame, buffers))
+  else if (!recording_.readImages(set.frame, buffers))
     return false;
   set.decode_ms = recording_.isLive() ? 0 : millisecondsSince(set.captured_at);
   set.captured_at = recording_.capturedAt().value_or(set.captured_at);
   set.time_s = recording_.timeOf(set.frame);
   set.camera_times_s = recording_.cameraTimesOf(set.frame);
-  set.absent = recording_.absentCameras();
-  set.troubles = recording_.troubles();
+  set.missing_cameras = recording_.missingCameras();
+  set.camera_problems = recording_.camera_problems();
   return true;
 }
 

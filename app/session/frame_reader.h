@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Reads a recording on a thread of its own, one frame set at a time, when it is asked for and due: what is
-// read earlier is late when it is shown. Whoever takes frames asks while the last picture is still being
+// read earlier is late when it is shown. Whoever takes frames asks while the last image is still being
 // drawn.
 #pragma once
 
@@ -16,15 +16,15 @@
 
 namespace airclay {
 
-/// The pictures of all cameras at one instant, or their masks.
+/// The images of all cameras at one instant, or their masks.
 struct FrameSet {
   int frame = 0;
   double time_s = 0;              ///< the recording's
   Clock::time_point captured_at;  ///< when the frame was due, and its decoding began
   double decode_ms = 0;
   std::vector<double> camera_times_s;            ///< empty where the cameras have none of their own
-  std::uint32_t absent = 0;                      ///< bits of cameras without a picture
-  std::vector<std::string> troubles;             ///< what is wrong with the cameras
+  std::uint32_t missing_cameras = 0;                      ///< bits of cameras without a image
+  std::vector<std::string> camera_problems;             ///< what is wrong with the cameras
   std::vector<std::vector<std::uint8_t>> bytes;  ///< one a camera: BGR, or a mask's bytes
 };
 

@@ -8,24 +8,24 @@
 namespace airclay {
 namespace {
 
-// Of four samples a pixel, on a software device: a window's pictures find room between.
+// Of four samples a pixel, on a software device: a window's images find room between.
 constexpr std::uint32_t kTrianglesAPiece = 10'000;
 
 }  // namespace
 
-void save(const std::filesystem::path& file, const Picture& picture) {
-  writePng(file, picture.size, picture.rgba);
+void save(const std::filesystem::path& file, const RgbaImage& image) {
+  writePng(file, image.size, image.rgba);
 }
 
-Painter::Painter(Gpu& gpu, PictureSize size)
+OffscreenRenderer::OffscreenRenderer(Gpu& gpu, ImageSize size)
     : renderer_(gpu, {.width = size.width,
                       .height = size.height,
                       .triangles_a_piece = gpu.isCpu() ? kTrianglesAPiece : 0}),
       recorder_(gpu) {}
 
-Picture Painter::paint(const Scene& scene, const View& view) {
+RgbaImage OffscreenRenderer::paint(const Scene& scene, const View& view) {
   recorder_.begin();
-  recorder_.stage("picture");
+  recorder_.stage("image");
   renderer_.record(recorder_, scene, view);
   recorder_.submitAndWait();
   const std::span<const std::uint8_t> bytes = renderer_.bytes();
@@ -45,7 +45,7 @@ SceneHand DrawnHand::at(const Pose& workspace_from_hand) const {
   return hand;
 }
 
-SculptPictures::SculptPictures(Gpu& gpu, const Pipeline& pipeline, const ClayState& clay,
+SculptRenderer::SculptRenderer(Gpu& gpu, const Pipeline& pipeline, const ClayState& clay,
                                const std::optional<TriangleMesh>& forearm)
     : pipeline_(pipeline),
       painter_(gpu, kSize),
@@ -58,7 +58,7 @@ SculptPictures::SculptPictures(Gpu& gpu, const Pipeline& pipeline, const ClaySta
     ground_z_m_ = std::min(ground_z_m_, point.z() - workspace.center.z());
 }
 
-Scene SculptPictures::scene(const std::optional<Pose>& world_from_hand) {
+Scene SculptRenderer::scene(const std::optional<Pose>& world_from_hand) {
   Scene scene;
   scene.workspace = pipeline_.rig().workspace;
   scene.ground_z_m = ground_z_m_;
@@ -76,13 +76,13 @@ Scene SculptPictures::scene(const std::optional<Pose>& world_from_hand) {
   return scene;
 }
 
-Picture SculptPictures::frame(const std::optional<Pose>& world_from_hand) {
+RgbaImage SculptRenderer::frame(const std::optional<Pose>& world_from_hand) {
   Orbit orbit;
   orbit.distance_m = 1.3 * pipeline_.rig().workspace.edge_m;
   return painter_.paint(scene(world_from_hand), orbitView(orbit));
 }
 
-Picture SculptPictures::workings(const std::optional<Pose>& world_from_hand) {
+RgbaImage SculptRenderer::workings(const std::optional<Pose>& world_from_hand) {
   const Clay& clay = pipeline_.clay();
   Scene all = scene(world_from_hand);
   const double edge_m = all.workspace.edge_m;

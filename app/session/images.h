@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Pictures for the eyes: the one place where the commands meet the renderer.
+// Images for the eyes: the one place where the commands meet the renderer.
 #pragma once
 
 #include <filesystem>
@@ -12,18 +12,18 @@
 namespace airclay {
 
 /// RGBA bytes, rows from the top.
-struct Picture {
-  PictureSize size;
+struct RgbaImage {
+  ImageSize size;
   std::vector<std::uint8_t> rgba;
 };
 
-void save(const std::filesystem::path& file, const Picture& picture);
+void save(const std::filesystem::path& file, const RgbaImage& image);
 
 /// Draws scenes one at a time.
-class Painter {
+class OffscreenRenderer {
  public:
-  Painter(Gpu& gpu, PictureSize size);
-  Picture paint(const Scene& scene, const View& view);
+  OffscreenRenderer(Gpu& gpu, ImageSize size);
+  RgbaImage paint(const Scene& scene, const View& view);
 
  private:
   Renderer renderer_;
@@ -44,27 +44,27 @@ class DrawnHand {
 };
 
 /// What a sculpting looks like: its clay on a ground, the hand where it was found.
-class SculptPictures {
+class SculptRenderer {
  public:
-  static constexpr PictureSize kSize = {960, 540};
+  static constexpr ImageSize kSize = {960, 540};
 
   /// `pipeline` must outlive this, and was made with `clay`.
-  SculptPictures(Gpu& gpu, const Pipeline& pipeline, const ClayState& clay,
+  SculptRenderer(Gpu& gpu, const Pipeline& pipeline, const ClayState& clay,
                  const std::optional<TriangleMesh>& forearm);
   /// The clay as it is now, the hand where there is one.
-  Picture frame(const std::optional<Pose>& world_from_hand);
+  RgbaImage frame(const std::optional<Pose>& world_from_hand);
   /// The rig around it: cameras, cube, voxels, cage and data points too.
-  Picture workings(const std::optional<Pose>& world_from_hand);
+  RgbaImage workings(const std::optional<Pose>& world_from_hand);
 
  private:
   Scene scene(const std::optional<Pose>& world_from_hand);
 
   const Pipeline& pipeline_;
-  Painter painter_;
+  OffscreenRenderer painter_;
   DrawnHand hand_;
   Gpu& gpu_;
   SubdivisionRule rule_;
-  std::unique_ptr<DisplaySurface> surface_;  ///< of the form that the clay had in the last picture
+  std::unique_ptr<DisplaySurface> surface_;  ///< of the form that the clay had in the last image
   std::size_t control_points_ = 0;
   int levels_ = 0;
   double ground_z_m_ = 0;  ///< workspace frame: the clay's lowest point at the start

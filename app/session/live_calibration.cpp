@@ -11,8 +11,8 @@ constexpr double kLookUpS = 0.1;
 
 struct Left {};  // thrown: nobody waits for the rig any more
 
-std::vector<std::pair<std::string, PictureSize>> sizesOf(const LiveCameras& cameras) {
-  std::vector<std::pair<std::string, PictureSize>> sizes;
+std::vector<std::pair<std::string, ImageSize>> sizesOf(const LiveCameras& cameras) {
+  std::vector<std::pair<std::string, ImageSize>> sizes;
   for (const CameraStatus& camera : cameras.status()) sizes.emplace_back(camera.name, camera.size);
   return sizes;
 }
@@ -20,11 +20,11 @@ std::vector<std::pair<std::string, PictureSize>> sizesOf(const LiveCameras& came
 }  // namespace
 
 /// Tells how far the rig is.
-class LiveCalibration::Working : public LongWork {
+class LiveCalibration::Working : public Task {
  public:
   explicit Working(LiveCalibration& live) : live_(live) { show(true, 0); }
   ~Working() override { show(false, 0); }
-  void goesOn(double share) override {
+  void onProgress(double share) override {
     if (live_.stop_) throw Left{};
     show(true, share);
   }
@@ -61,28 +61,28 @@ void LiveCalibration::run() {
   while (!stop_) {
     std::optional<LiveSet> set = cameras_.next(kLookUpS);
     if (set) collector_.add(*set);
-    obey();
+    processCommands();
     publish(set ? std::make_shared<LiveSet>(std::move(*set)) : nullptr);
     // files that are over give no set, and don't wait
     if (!set && cameras_.ended()) std::this_thread::sleep_for(std::chrono::duration<double>(kLookUpS));
   }
 }
 
-void LiveCalibration::obey() {
-  if (again_wanted_.exchange(false)) {
+void LiveCalibration::processCommands() {
+  if (restart_requested_.exchange(false)) {
     collector_.clear();
     world_.reset();
     const std::lock_guard lock(mutex_);
     state_.result.clear();
     state_.fault.clear();
   }
-  if (world_wanted_.exchange(false)) {
+  if (world_requested_.exchange(false)) {
     const std::optional<int> world = collector_.keepForWorld();
     if (world) world_ = world;
     const std::lock_guard lock(mutex_);
     state_.fault = world ? "" : "no camera sees the board that is to be the world; lay it where one does";
   }
-  if (finish_wanted_.exchange(false)) makeRig();
+  if (finish_requested_.exchange(false)) makeRig();
 }
 
 void LiveCalibration::makeRig() {

@@ -52,16 +52,16 @@ class LiveCalibration {
   State state() const;
 
   /// Makes the rig of what there is; its result or fault follows. Collecting goes on afterwards.
-  void finish() { finish_wanted_ = true; }
+  void finish() { finish_requested_ = true; }
   /// The board lies where the world is to be.
-  void takeWorld() { world_wanted_ = true; }
+  void takeWorld() { world_requested_ = true; }
   /// All views are forgotten.
-  void beginAgain() { again_wanted_ = true; }
+  void restart() { restart_requested_ = true; }
 
  private:
   class Working;
   void run();
-  void obey();
+  void processCommands();
   void makeRig();
   void publish(std::shared_ptr<const LiveSet> set);
 
@@ -71,7 +71,7 @@ class LiveCalibration {
   std::optional<int> world_;
   mutable std::mutex mutex_;
   State state_;
-  std::atomic<bool> stop_ = false, finish_wanted_ = false, world_wanted_ = false, again_wanted_ = false;
+  std::atomic<bool> stop_ = false, finish_requested_ = false, world_requested_ = false, restart_requested_ = false;
   std::thread thread_;
 };
 

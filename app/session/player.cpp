@@ -10,14 +10,14 @@
 
 namespace airclay {
 
-RigUnits unitsOf(const std::string& word) {
+RigUnits parseUnits(const std::string& word) {
   if (word == "m") return RigUnits::kMetres;
   return word == "mm" ? RigUnits::kMillimetres : RigUnits::kAsWritten;
 }
 
-void addTakeOptions(CLI::App& command, TakeWords& words) {
+void addTakeOptions(CLI::App& command, TakeInputOptions& words) {
   command
-      .add_option("TAKE", words.folder, "the recording: a folder with rig.toml and videos, pictures or masks")
+      .add_option("TAKE", words.folder, "the recording: a folder with rig.toml and videos, images or masks")
       ->type_name("")
       ->required();
   command.add_option("--units", words.units, "the rig's unit, where its file doesn't say: m or mm")
@@ -31,13 +31,13 @@ void addTakeOptions(CLI::App& command, TakeWords& words) {
       ->type_name("N");
 }
 
-Take TakeWords::open(const TakeOptions& options) const {
+Take TakeInputOptions::open(const TakeOptions& options) const {
   TakeOptions whole = options;
-  whole.units = unitsOf(units);
+  whole.units = parseUnits(units);
   whole.background_frames = background_frames;
   whole.unfinished = hasActions(folder);
   Take take(folder, whole);
-  if (take.note()) warn(*take.note());
+  if (take.note()) printWarning(*take.note());
   return take;
 }
 
@@ -50,21 +50,21 @@ Player::Player(Recording& recording, Pipeline& pipeline) : recording_(recording)
     for (Mask& mask : masks_) buffers_.emplace_back(mask.pixels);
     return;
   }
-  for (std::size_t i = 0; i < cameras.size(); ++i) buffers_.push_back(pipeline_.picture(i));
+  for (std::size_t i = 0; i < cameras.size(); ++i) buffers_.push_back(pipeline_.image(i));
   if (recording_.backgroundFrames() >= recording_.frameCount())
     throw Error("the recording has " + std::to_string(recording_.frameCount()) + " frames, and the first " +
                 std::to_string(recording_.backgroundFrames()) +
-                " are taken to be empty; a smaller --background or pictures in background/ would be right");
+                " are taken to be empty; a smaller --background or images in background/ would be right");
 }
 
 void Player::readFrame(int frame) {
   if (recording_.hasSilhouettes())
     recording_.readSilhouettes(frame, buffers_);
   else
-    recording_.readPictures(frame, buffers_);
+    recording_.readImages(frame, buffers_);
 }
 
-void Player::learnFromBackgroundPictures() {
+void Player::learnFromBackgroundImages() {
   if (!recording_.hasBackground() || recording_.hasSilhouettes()) return;
   recording_.readBackground(buffers_);
   pipeline_.learnBackground();
@@ -72,7 +72,7 @@ void Player::learnFromBackgroundPictures() {
 
 std::optional<PlayedFrame> Player::next(const SculptControls& controls) {
   if (next_ == recording_.frameCount()) return std::nullopt;
-  if (next_ == 0) learnFromBackgroundPictures();
+  if (next_ == 0) learnFromBackgroundImages();
   PlayedFrame played;
   played.frame = next_++;
   played.time_s = recording_.timeOf(played.frame);
@@ -85,7 +85,7 @@ std::optional<PlayedFrame> Player::next(const SculptControls& controls) {
     pipeline_.learnBackground();
   else
     played.result = recording_.hasSilhouettes() ? pipeline_.processMasks(masks_, controls)
-                                                : pipeline_.processPictures(controls);
+                                                : pipeline_.processImages(controls);
   return played;
 }
 
@@ -93,7 +93,7 @@ void Player::hullOf(int frame) {
   if (frame < 0 || frame >= recording_.frameCount())
     throw Error("there is no frame " + std::to_string(frame) + " in the recording; its frames are 0 to " +
                 std::to_string(recording_.frameCount() - 1));
-  learnFromBackgroundPictures();
+  learnFromBackgroundImages();
   for (int i = 0; i < recording_.backgroundFrames(); ++i) {
     readFrame(i);
     pipeline_.learnBackground();
@@ -102,7 +102,7 @@ void Player::hullOf(int frame) {
   if (recording_.hasSilhouettes())
     pipeline_.hullFromMasks(masks_);
   else
-    pipeline_.hullFromPictures();
+    pipeline_.hullFromImages();
 }
 
 }  // namespace airclay

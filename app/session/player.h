@@ -15,10 +15,10 @@ class App;
 namespace airclay {
 
 /// What --units says: m, mm, or nothing.
-RigUnits unitsOf(const std::string& word);
+RigUnits parseUnits(const std::string& word);
 
 /// What the commands that read a take ask of it.
-struct TakeWords {
+struct TakeInputOptions {
   std::string folder, units;
   int background_frames = 10;
 
@@ -27,7 +27,7 @@ struct TakeWords {
 };
 
 /// The take itself, --units and --background.
-void addTakeOptions(CLI::App& command, TakeWords& words);
+void addTakeOptions(CLI::App& command, TakeInputOptions& words);
 
 /// A frame and what became of it.
 struct PlayedFrame {
@@ -52,11 +52,11 @@ class Player {
 
  private:
   void readFrame(int frame);
-  void learnFromBackgroundPictures();
+  void learnFromBackgroundImages();
 
   Recording& recording_;
   Pipeline& pipeline_;
-  std::vector<std::span<std::uint8_t>> buffers_;  ///< the pipeline's pictures, or masks_
+  std::vector<std::span<std::uint8_t>> buffers_;  ///< the pipeline's images, or masks_
   std::vector<Mask> masks_;
   int next_ = 0;
 };

@@ -13,12 +13,12 @@ namespace {
 // Half of what the tracker still believes: there the pose may be off by a centimetre.
 constexpr double kDoubtfulShare = 0.35, kDoubtfulMetres = 0.0012;
 constexpr double kMouseFrameS = 1.0 / 30;
-/// Where it is the CPU that draws, small pictures need not be newer; the interface around them is not either.
+/// Where it is the CPU that draws, small images need not be newer; the interface around them is not either.
 constexpr auto kThumbnailsStay = std::chrono::milliseconds(90);
 /// As many data points are enough to say where the clay is.
 constexpr std::size_t kClayPoints = 2000;
 /// A window that draws nothing for so long is minimised, or busy with something else.
-constexpr auto kPictureWait = std::chrono::milliseconds(50);
+constexpr auto kRenderWait = std::chrono::milliseconds(50);
 // 5 cm/s: slower, the filter's lag is of no distance.
 constexpr double kMovingMetresS = 0.05;
 /// Cameras that give no set for so long have fallen silent.
@@ -26,12 +26,12 @@ constexpr auto kSilence = std::chrono::milliseconds(700);
 // Ten sets of four VGA cameras are 37 MB.
 constexpr std::size_t kKeptLearnedBytes = std::size_t(128) << 20;
 
-HandTrust trustIn(const FrameResult& result) {
+TrackingState trustIn(const FrameResult& result) {
   switch (result.hand) {
     case HandState::kEmpty:
-      return HandTrust::kNobody;
+      return TrackingState::kNoHand;
     case HandState::kLost:
-      return HandTrust::kLost;
+      return TrackingState::kLost;
     case HandState::kTracked:
       break;
   }
@@ -39,7 +39,7 @@ HandTrust trustIn(const FrameResult& result) {
   const bool doubtful =
       result.searched || result.fit.outside_m > kDoubtfulMetres ||
       (result.fit.outside_fraction > kDoubtfulShare && result.fit.outside_m > kDoubtfulMetres / 2);
-  return doubtful ? HandTrust::kUncertain : HandTrust::kTracking;
+  return doubtful ? TrackingState::kUncertain : TrackingState::kTracking;
 }
 
 std::size_t bytesOf(const FrameSet& set) {
@@ -55,13 +55,13 @@ Session::Session(Gpu& gpu, const Options& options, Document document)
       options_(options),
       pipeline_(gpu, options.rig, options.hand, {options.voxels}, document.state()),
       document_(std::move(document)),
-      form_(document_.state()),
+      clay_structure_(document_.state()),
       strokes_(document_),
       settings_(options.settings) {
   placeThumbnails();
   if (options_.recording) reader_.emplace(*options_.recording, !options_.headless);
   refreshDocumentView();
-  lookAtClay(snapshot_, true);
+  updateClayView(snapshot_, true);
   thread_ = std::thread([this] { run(); });
 }
 
@@ -88,15 +88,15 @@ DocumentView Session::documentView() const {
   return document_view_;
 }
 
-std::vector<std::string> Session::takeNotes() {
+std::vector<std::string> Session::takeMessages() {
   const std::lock_guard lock(mutex_);
   return std::exchange(notes_, {});
 }
 
-void Session::pictureSubmitted(std::uint64_t serial) {
+void Session::renderSubmitted(std::uint64_t serial) {
   const std::lock_guard lock(mutex_);
   submitted_serial_ = serial;
-  picture_submitted_.notify_all();
+  render_submitted_.notify_all();
 }
 
 RecorderView Session::recorderView() const {
@@ -104,9 +104,9 @@ RecorderView Session::recorderView() const {
   return recorder_view_;
 }
 
-WorkView Session::workView() const {
+TaskStatus Session::taskStatus() const {
   const std::lock_guard lock(mutex_);
-  return work_view_;
+  return task_status_;
 }
 
 void Session::set(const SessionSettings& settings) {
@@ -121,7 +121,7 @@ void Session::setMouseHand(const MouseHand& hand) {
 
 void Session::withClay(const std::function<void(const ClayOnDevice&)>& look) const {
   const std::shared_lock lock(structure_);
-  look({pipeline_.clay(), form_, form_serial_});
+  look({pipeline_.clay(), clay_structure_, structure_serial_});
 }
 
 const Carver& Session::carver() const {
@@ -144,7 +144,7 @@ void Session::run() {
   if (!options_.record.empty()) guarded([&] { beginRecording(options_.record); });
   while (!stop_) {
     bool worked = false;
-    guarded([&] { worked = obey(); });
+    guarded([&] { worked = processCommands(); });
     guarded([&] {
       worked = (reader_           ? frameFromRecording()
                 : options_.replay ? frameFromReplayedMouse()
@@ -181,7 +181,7 @@ void Session::guarded(const std::function<void()>& work) {
   }
 }
 
-bool Session::obey() {
+bool Session::processCommands() {
   bool worked = false;
   for (;;) {
     std::function<void()> command;
@@ -197,23 +197,23 @@ bool Session::obey() {
   }
   if (worked) {
     Snapshot now = snapshot();
-    lookAtClay(now, true);
+    updateClayView(now, true);
     const std::lock_guard lock(mutex_);
     snapshot_ = std::move(now);
   }
   return worked;
 }
 
-void Session::copyPictures(const FrameSet& set) {
+void Session::copyImages(const FrameSet& set) {
   for (std::size_t c = 0; c < set.bytes.size(); ++c)
-    std::copy(set.bytes[c].begin(), set.bytes[c].end(), pipeline_.picture(c).begin());
+    std::copy(set.bytes[c].begin(), set.bytes[c].end(), pipeline_.image(c).begin());
 }
 
 bool Session::frameFromRecording() {
   Recording& recording = *options_.recording;
   if (!background_learned_ && recording.hasBackground() && !recording.hasSilhouettes()) {
     std::vector<std::span<std::uint8_t>> buffers;
-    for (std::size_t c = 0; c < options_.rig.cameras.size(); ++c) buffers.push_back(pipeline_.picture(c));
+    for (std::size_t c = 0; c < options_.rig.cameras.size(); ++c) buffers.push_back(pipeline_.image(c));
     recording.readBackground(buffers);
     pipeline_.learnBackground();
   }
@@ -226,23 +226,23 @@ bool Session::frameFromRecording() {
     return false;
   }
 
-  if (still_to_learn_ > 0 && set_.absent != 0) {  // it would teach a camera another instant
+  if (still_to_learn_ > 0 && set_.missing_cameras != 0) {  // it would teach a camera another instant
     reader_->ask();
     return true;
   }
-  const DoneFrame* replayed = replayedFrame(set_.frame);
+  const ReplayFrame* replayed = replayedFrame(set_.frame);
   const double step_s =
       set_.frame > 0 && last_frame_s_ >= 0 ? set_.time_s - last_frame_s_ : 1 / recording.rateHz();
-  DoneFrame done = replayed ? *replayed : wishesNow(set_.time_s, step_s);
+  ReplayFrame done = replayed ? *replayed : currentInputs(set_.time_s, step_s);
   if (!replayed) {
     done.learned = set_.frame < recording.backgroundFrames() || still_to_learn_ > 0;
     still_to_learn_ = std::max(0, still_to_learn_ - 1);
   }
-  if (!replayed) done.absent = set_.absent;
+  if (!replayed) done.missing_cameras = set_.missing_cameras;
   Snapshot next;
   next.frame = set_.frame;
   next.frame_count = recording.isLive() ? 0 : recording.frameCount();
-  next.troubles = set_.troubles;
+  next.camera_problems = set_.camera_problems;
   next.time_s = done.learned ? set_.time_s : done.time_s;
   next.captured_at = set_.captured_at;
   next.decode_ms = set_.decode_ms;
@@ -255,11 +255,11 @@ bool Session::frameFromRecording() {
       masks.push_back({options_.rig.cameras[c].width, options_.rig.cameras[c].height, set_.bytes[c]});
     next.result = pipeline_.trackMasks(masks);
   } else {
-    copyPictures(set_);
+    copyImages(set_);
     if (next.learning)
       used = learn();
     else
-      next.result = pipeline_.trackPictures(done.absent);
+      next.result = pipeline_.trackImages(done.missing_cameras);
   }
   reader_->ask();  // what is left of this frame keeps one core busy
   if (!next.learning) {
@@ -280,7 +280,7 @@ bool Session::frameFromRecording() {
     options_.on_frame(pipeline_, &played);
   }
   publish(next);
-  waitForPicture(serial_);
+  waitForRender(serial_);
   return true;
 }
 
@@ -294,9 +294,9 @@ void Session::showSilence() {
     if (snapshot_.silent && now - snapshot_.captured_at < kSilence) return;
     snapshot_.silent = true;
     snapshot_.captured_at = now;
-    snapshot_.troubles = options_.recording->troubles();
+    snapshot_.camera_problems = options_.recording->camera_problems();
     snapshot_.rate_hz = 0;
-    snapshot_.trust = HandTrust::kNobody;
+    snapshot_.trust = TrackingState::kNoHand;
     snapshot_.world_from_hand.reset();
   }
   if (options_.wake) options_.wake();
@@ -319,7 +319,7 @@ bool Session::learn() {
 void Session::endOfTake() {
   if (snapshot().ended) return;
   if (options_.replay)
-    for (const Deed& deed : options_.replay->actions.after) replayDeed(deed);
+    for (const Action& action : options_.replay->actions.after) replayAction(action);
   endStroke();
   if (options_.on_frame) options_.on_frame(pipeline_, nullptr);
   Snapshot ended = snapshot();
@@ -332,7 +332,7 @@ bool Session::frameFromMouse() {
   const auto now = Clock::now();
   const double now_s = std::chrono::duration<double>(now.time_since_epoch()).count();
   if (last_frame_s_ >= 0 && now_s - last_frame_s_ < kMouseFrameS) return false;
-  DoneFrame done = wishesNow(now_s, last_frame_s_ >= 0 ? std::min(now_s - last_frame_s_, 0.1) : kMouseFrameS);
+  ReplayFrame done = currentInputs(now_s, last_frame_s_ >= 0 ? std::min(now_s - last_frame_s_, 0.1) : kMouseFrameS);
   {
     const std::lock_guard lock(mutex_);
     if (mouse_hand_.present) done.given_hand = mouse_hand_.world_from_hand;
@@ -341,13 +341,13 @@ bool Session::frameFromMouse() {
   return true;
 }
 
-void Session::workOnMouseFrame(DoneFrame done) {
+void Session::workOnMouseFrame(ReplayFrame done) {
   Snapshot next;
   next.frame = static_cast<int>(replayed_mouse_frames_);
   next.time_s = done.time_s;
   next.captured_at = Clock::now();
   if (done.given_hand) {
-    next.trust = HandTrust::kTracking;
+    next.trust = TrackingState::kTracking;
     next.result.fit.world_from_hand = *done.given_hand;
     next.result.fit.tracked = true;
     next.result.hand = HandState::kTracked;
@@ -381,7 +381,7 @@ bool Session::gripIsBarred(const Snapshot& next) {
     const std::lock_guard lock(mutex_);
     pulling = settings_.tool == Tool::kPull && settings_.clutch == Clutch::kHold && settings_.clutch_down;
   }
-  const bool there = next.trust == HandTrust::kTracking || next.trust == HandTrust::kUncertain;
+  const bool there = next.trust == TrackingState::kTracking || next.trust == TrackingState::kUncertain;
   if (!pulling) grip_ = Grip::kFree;
   if (pulling && there && grip_ == Grip::kFree) grip_ = Grip::kSeen;
   if (pulling && !there && grip_ == Grip::kSeen) grip_ = Grip::kBarred;
@@ -389,39 +389,39 @@ bool Session::gripIsBarred(const Snapshot& next) {
 }
 
 /// What is wanted of a frame, as the window says it now.
-DoneFrame Session::wishesNow(double time_s, double step_s) const {
+ReplayFrame Session::currentInputs(double time_s, double step_s) const {
   const std::lock_guard lock(mutex_);
-  DoneFrame done;
+  ReplayFrame done;
   done.time_s = time_s;
   done.step_s = step_s;
   done.tool = settings_.tool;
   done.symmetry = settings_.symmetry;
   done.held = settings_.held();
-  done.steady = settings_.steady;
+  done.filtered = settings_.filtered;
   return done;
 }
 
-void Session::sculpt(Snapshot& next, const DoneFrame& done) {
+void Session::sculpt(Snapshot& next, const ReplayFrame& done) {
   next.grip_barred = grip_ == Grip::kBarred;
   if (!next.result.fit.tracked) {
-    steady_.reset();
-    pipeline_.forgetGivenHand();
+    pose_filter_.reset();
+    pipeline_.resetGivenHand();
     follow(next, done);
     return;
   }
   Pose pose = next.result.fit.world_from_hand;
-  if (done.steady) {
-    pose = steady_.filter(next.time_s, pose);
-    if (steady_.speedMetresS() > kMovingMetresS) next.steady_ms = 1000 * steady_.latencyS();
+  if (done.filtered) {
+    pose = pose_filter_.filter(next.time_s, pose);
+    if (pose_filter_.speedMetresS() > kMovingMetresS) next.filter_lag_ms = 1000 * pose_filter_.latencyS();
   } else {
-    steady_.reset();
+    pose_filter_.reset();
   }
   next.world_from_hand = pose;
   SculptControls controls;
   controls.tool = done.tool;
   controls.symmetry = done.symmetry;
   controls.frame_s = std::clamp(done.step_s, 1e-3, 0.1);
-  controls.held = next.trust == HandTrust::kTracking && !turning_ && done.held;
+  controls.held = next.trust == TrackingState::kTracking && !turning_ && done.held;
   const FrameResult step = pipeline_.sculptWith(pose, controls);
   next.result.clay = step.clay;
   addStages(step.stage_ms, next.result.stage_ms);
@@ -430,30 +430,30 @@ void Session::sculpt(Snapshot& next, const DoneFrame& done) {
 }
 
 /// Strokes become entries of the document's history.
-void Session::follow(const Snapshot& next, const DoneFrame& done) {
+void Session::follow(const Snapshot& next, const ReplayFrame& done) {
   StrokeFrame frame;
   frame.time_s = next.time_s;
   frame.touched = next.result.clay.touched;
   frame.held = done.held;
-  frame.tracked = next.trust == HandTrust::kTracking;
+  frame.tracked = next.trust == TrackingState::kTracking;
   if (strokes_.see(frame, toolName(done.tool), pipeline_.clay())) refreshDocumentView();
 }
 
 void Session::endStroke() {
   if (!strokes_.finish(pipeline_.clay())) return;
-  recordDeed({.what = Deed::What::kEndStroke});
+  recordAction({.kind = Action::Kind::kEndStroke});
   refreshDocumentView();
 }
 
 /// Lets the window draw what the frame has done before the next one takes the device.
-void Session::waitForPicture(std::uint64_t serial) {
+void Session::waitForRender(std::uint64_t serial) {
   if (options_.headless) return;
   std::unique_lock lock(mutex_);
-  picture_submitted_.wait_for(lock, kPictureWait, [&] { return submitted_serial_ >= serial || stop_; });
+  render_submitted_.wait_for(lock, kRenderWait, [&] { return submitted_serial_ >= serial || stop_; });
 }
 
 /// What the window is told of the clay. `moved`: it may have since the last time.
-void Session::lookAtClay(Snapshot& next, bool moved) {
+void Session::updateClayView(Snapshot& next, bool moved) {
   if (options_.headless) return;
   if (moved) {
     const std::vector<vec3> all = pipeline_.clay().dataPoints().download();
@@ -480,8 +480,8 @@ void Session::publish(Snapshot next) {
   next.rate_hz = static_cast<double>(frame_times_.size());
   renewStages(next.result.stage_ms, stage_ms_);
   next.stage_ms = stage_ms_;
-  next.sculpting = strokes_.underWay();
-  lookAtClay(next, next.result.clay.touched > 0);
+  next.sculpting = strokes_.active();
+  updateClayView(next, next.result.clay.touched > 0);
   {
     const std::lock_guard lock(mutex_);
     snapshot_ = std::move(next);

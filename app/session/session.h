@@ -23,8 +23,8 @@
 namespace airclay {
 
 /// How well the hand is known.
-enum class HandTrust {
-  kNobody,  ///< nobody there
+enum class TrackingState {
+  kNoHand,  ///< nobody there
   kTracking,
   kUncertain,  ///< a pose, but a doubtful one: the clay does not move
   kLost,
@@ -47,7 +47,7 @@ struct SessionSettings {
   Symmetry symmetry;
   Clutch clutch = Clutch::kContact;
   bool clutch_down = false;
-  bool steady = true;  ///< the One Euro filter
+  bool filtered = true;  ///< the One Euro filter
 
   /// Whether the clutch lets the hand shape the clay.
   bool held() const { return clutch == Clutch::kContact || clutch_down; }
@@ -60,15 +60,15 @@ struct Snapshot {
   double time_s = 0;
   bool learning = false;  ///< the empty workspace
   bool ended = false;     ///< of the take
-  bool silent = false;    ///< cameras that run give no pictures
-  HandTrust trust = HandTrust::kNobody;
+  bool silent = false;    ///< cameras that run give no images
+  TrackingState trust = TrackingState::kNoHand;
   std::optional<Pose> world_from_hand;  ///< as it sculpts
   FrameResult result;
   StageTimes stage_ms;  ///< of the last frames that were timed
   double decode_ms = 0;
-  std::optional<double> steady_ms;    ///< the filter's lag; of a hand at rest it means nothing
+  std::optional<double> filter_lag_ms;    ///< the filter's lag; of a hand at rest it means nothing
   std::optional<double> skew_s;       ///< the cameras'; none where they have no times of their own
-  std::vector<std::string> troubles;  ///< what is wrong with the cameras
+  std::vector<std::string> camera_problems;  ///< what is wrong with the cameras
   Clock::time_point captured_at;
   double rate_hz = 0;             ///< frames that went through in the last second
   std::uint64_t clay_serial = 0;  ///< another one when the clay may have moved
@@ -80,7 +80,7 @@ struct Snapshot {
 };
 
 /// Work that takes long, for a bar.
-struct WorkView {
+struct TaskStatus {
   std::string what;  ///< "refining"; empty: there is none
   double share = 0;  ///< of the step under way
   Clock::time_point since;
@@ -99,7 +99,7 @@ struct DocumentView {
   int undo_count = 0, redo_count = 0;
   int levels = 0, control_points = 0, data_points = 0;
   SubdivisionRule rule = SubdivisionRule::kCatmullClark;
-  SolveRows solve = SolveRows::kAll;
+  SolveMethod solve = SolveMethod::kAll;
 };
 
 class Session {
@@ -127,12 +127,12 @@ class Session {
 
   // --- the window's thread ---
   Snapshot snapshot() const;
-  /// The picture of this snapshot is on its way, or there is none to come: the next frame may begin. Until
-  /// then the recording's next one waits a little: on one queue, it would be done before the picture.
-  void pictureSubmitted(std::uint64_t serial);
+  /// The image of this snapshot is on its way, or there is none to come: the next frame may begin. Until
+  /// then the recording's next one waits a little: on one queue, it would be done before the image.
+  void renderSubmitted(std::uint64_t serial);
   DocumentView documentView() const;
   /// Lines to be shown once: what a command did, or why it could not.
-  std::vector<std::string> takeNotes();
+  std::vector<std::string> takeMessages();
   void set(const SessionSettings& settings);
   void setMouseHand(const MouseHand& hand);
   bool hasRecording() const { return options_.recording != nullptr; }
@@ -140,9 +140,9 @@ class Session {
   bool pipelineFailed() const { return failed_; }
   bool replaying() const { return options_.replay != nullptr; }
   RecorderView recorderView() const;
-  WorkView workView() const;
+  TaskStatus taskStatus() const;
   /// Ends the work under way, if it is some that can be; everything is as before.
-  void cancelWork() { cancel_work_ = true; }
+  void cancelTask() { cancel_task_ = true; }
   /// \pre headless: waits for the end. \throw what ended it
   void finish();
 
@@ -153,7 +153,7 @@ class Session {
   void undo();
   void redo();
   void refineClay();
-  void setForm(int levels, SubdivisionRule rule, SolveRows solve);
+  void setSurface(int levels, SubdivisionRule rule, SolveMethod solve);
   /// Turns the clay about an axis through the workspace's centre; `name` is the entry's once it is done.
   void turn(const Vec3& axis, double angle_rad, bool last);
   void exportMesh(const std::filesystem::path& file, bool surface);
@@ -163,18 +163,18 @@ class Session {
   void replaceClay(const ClayState& state, const std::string& name);
   void restartTake();
   /// Of cameras that run: the next sets show the empty workspace, which has changed.
-  void learnAgain();
+  void relearnBackground();
   void pauseTake(bool paused);
 
   /// The clay as it lies on the device, and its form; `look` must submit all that it records before it
   /// returns.
   struct ClayOnDevice {
     const Clay& clay;
-    const ClayState& form;  ///< its cage's points are those of long ago
-    std::uint64_t form_serial;
+    const ClayState& structure;  ///< its cage's points are those of long ago
+    std::uint64_t structure_serial;
   };
   void withClay(const std::function<void(const ClayOnDevice&)>& look) const;
-  /// Small pictures of the cameras, silhouettes tinted: B G R A, in two sizes of which two small ones stand
+  /// Small images of the cameras, silhouettes tinted: B G R A, in two sizes of which two small ones stand
   /// beside each other where a large one would.
   const Buffer<std::uint32_t>& thumbnails() const { return thumbnails_; }
   struct Thumbnail {
@@ -194,42 +194,42 @@ class Session {
   class Working;
   struct Cancelled {};  ///< thrown: the person gave up on work under way
   void post(std::function<void()> command);
-  void act(const Deed& deed, const std::string& what = "");
-  void perform(const Deed& deed);
-  void replayDeed(const Deed& deed);
-  void changeForm(const Deed& deed);
-  void turnClay(const Deed& deed);
-  void forgetHand();
+  void act(const Action& action, const std::string& what = "");
+  void perform(const Action& action);
+  void replayAction(const Action& action);
+  void changeSurface(const Action& action);
+  void turnClay(const Action& action);
+  void resetTracking();
   bool learn();
-  void becomeClay(const ClayState& state, const std::string& name);
-  void becomeDocument(Document opened);
+  void replaceClayWith(const ClayState& state, const std::string& name);
+  void replaceDocumentWith(Document opened);
   void refuseWhileReplaying() const;
   void beginRecording(const std::filesystem::path& folder);
   void endRecording();
   void showRecorder();
-  void recordDeed(const Deed& deed);
-  void recordFrame(const DoneFrame& done, const FrameSet* set);
-  DoneFrame wishesNow(double time_s, double step_s) const;
-  const DoneFrame* replayedFrame(int frame);
+  void recordAction(const Action& action);
+  void recordFrame(const ReplayFrame& done, const FrameSet* set);
+  ReplayFrame currentInputs(double time_s, double step_s) const;
+  const ReplayFrame* replayedFrame(int frame);
   void endOfTake();
-  bool obey();
+  bool processCommands();
   bool frameFromRecording();
   void showSilence();
   bool frameFromMouse();
   bool frameFromReplayedMouse();
-  void workOnMouseFrame(DoneFrame done);
-  void copyPictures(const FrameSet& set);
+  void workOnMouseFrame(ReplayFrame done);
+  void copyImages(const FrameSet& set);
   bool gripIsBarred(const Snapshot& next);
-  void sculpt(Snapshot& next, const DoneFrame& done);
-  void follow(const Snapshot& next, const DoneFrame& done);
+  void sculpt(Snapshot& next, const ReplayFrame& done);
+  void follow(const Snapshot& next, const ReplayFrame& done);
   void endStroke();
   void show(const ClayState& state);
   void commit(const std::string& name, const ClayState& state);
-  std::unique_ptr<Pipeline::MadeClay> made(const ClayState& state);
-  void show(const ClayState& state, std::unique_ptr<Pipeline::MadeClay> made);
+  std::unique_ptr<Pipeline::PreparedClay> made(const ClayState& state);
+  void show(const ClayState& state, std::unique_ptr<Pipeline::PreparedClay> made);
   void publish(Snapshot next);
-  void waitForPicture(std::uint64_t serial);
-  void lookAtClay(Snapshot& next, bool moved);
+  void waitForRender(std::uint64_t serial);
+  void updateClayView(Snapshot& next, bool moved);
   void refreshDocumentView();
   void placeThumbnails();
   void drawThumbnails(const FrameSet& set);
@@ -241,12 +241,12 @@ class Session {
   Options options_;
   Pipeline pipeline_;
   Document document_;
-  ClayState form_;  ///< of the pipeline's clay
-  std::uint64_t form_serial_ = 1;
+  ClayState clay_structure_;  ///< of the pipeline's clay
+  std::uint64_t structure_serial_ = 1;
   std::optional<FrameReader> reader_;
   FrameSet set_;
-  KeptStrokes strokes_;
-  OneEuroPose steady_;
+  StrokeRecorder strokes_;
+  OneEuroPose pose_filter_;
   Buffer<std::uint32_t> thumbnails_;
   std::array<std::vector<Thumbnail>, 2> thumbnail_places_;
   std::deque<Clock::time_point> frame_times_;
@@ -270,8 +270,8 @@ class Session {
 
   mutable std::shared_mutex structure_;  ///< the clay's buffers stay while it is held
   mutable std::mutex mutex_;             ///< of what follows
-  std::condition_variable picture_submitted_;
-  std::uint64_t submitted_serial_ = 0;  ///< of the last picture
+  std::condition_variable render_submitted_;
+  std::uint64_t submitted_serial_ = 0;  ///< of the last image
   Snapshot snapshot_;
   DocumentView document_view_;
   std::vector<std::string> notes_;
@@ -279,9 +279,9 @@ class Session {
   MouseHand mouse_hand_;
   std::deque<std::function<void()>> commands_;
   RecorderView recorder_view_;
-  WorkView work_view_;
+  TaskStatus task_status_;
   std::exception_ptr fault_;  ///< headless
-  std::atomic<bool> stop_ = false, failed_ = false, cancel_work_ = false;
+  std::atomic<bool> stop_ = false, failed_ = false, cancel_task_ = false;
   std::thread thread_;
 };
 

@@ -24,7 +24,7 @@ ClayState stateIn(const std::filesystem::path& file) {
 }
 
 /// Whether the same buffers hold both.
-bool sameForm(const ClayState& a, const ClayState& b) {
+bool sameStructure(const ClayState& a, const ClayState& b) {
   return a.rule == b.rule && a.levels == b.levels && a.solve == b.solve && a.cage.faces == b.cage.faces &&
          a.cage.points.size() == b.cage.points.size();
 }
@@ -32,21 +32,21 @@ bool sameForm(const ClayState& a, const ClayState& b) {
 }  // namespace
 
 /// Shows the work on this thread, and ends it when it is cancelled.
-class Session::Working : public LongWork {
+class Session::Working : public Task {
  public:
   Working(Session& session, const std::string& what) : session_(session) {
-    session_.cancel_work_ = false;
+    session_.cancel_task_ = false;
     const std::lock_guard lock(session_.mutex_);
-    session_.work_view_ = {what, 0, Clock::now()};
+    session_.task_status_ = {what, 0, Clock::now()};
   }
   ~Working() override {
     const std::lock_guard lock(session_.mutex_);
-    session_.work_view_ = {};
+    session_.task_status_ = {};
   }
-  void goesOn(double share) override {
-    if (session_.cancel_work_.exchange(false)) throw Cancelled{};
+  void onProgress(double share) override {
+    if (session_.cancel_task_.exchange(false)) throw Cancelled{};
     const std::lock_guard lock(session_.mutex_);
-    session_.work_view_.share = share;
+    session_.task_status_.share = share;
   }
 
  private:
@@ -54,33 +54,33 @@ class Session::Working : public LongWork {
 };
 
 /// Something that a recording notes and a replay does again. `what` names work that takes long.
-void Session::act(const Deed& deed, const std::string& what) {
-  post([this, deed, what] {
+void Session::act(const Action& action, const std::string& what) {
+  post([this, action, what] {
     refuseWhileReplaying();
-    if (what.empty()) return perform(deed);
+    if (what.empty()) return perform(action);
     const Working working(*this, what);
-    perform(deed);
+    perform(action);
   });
 }
 
 void Session::undo() {
-  act({.what = Deed::What::kUndo});
+  act({.kind = Action::Kind::kUndo});
 }
 
 void Session::redo() {
-  act({.what = Deed::What::kRedo});
+  act({.kind = Action::Kind::kRedo});
 }
 
 void Session::refineClay() {
-  act({.what = Deed::What::kRefine}, "refining");
+  act({.kind = Action::Kind::kRefine}, "refining");
 }
 
-void Session::setForm(int levels, SubdivisionRule rule, SolveRows solve) {
-  act({.what = Deed::What::kForm, .levels = levels, .rule = rule, .solve = solve}, "subdividing");
+void Session::setSurface(int levels, SubdivisionRule rule, SolveMethod solve) {
+  act({.kind = Action::Kind::kSurface, .levels = levels, .rule = rule, .solve = solve}, "subdividing");
 }
 
 void Session::turn(const Vec3& axis, double angle_rad, bool last) {
-  act({.what = Deed::What::kTurn, .axis = axis, .angle_rad = angle_rad, .last = last});
+  act({.kind = Action::Kind::kTurn, .axis = axis, .angle_rad = angle_rad, .last = last});
 }
 
 void Session::exportMesh(const std::filesystem::path& file, bool surface) {
@@ -101,7 +101,7 @@ void Session::importCage(const std::filesystem::path& file) {
     ClayState state = document_.state();
     state.cage = readObj(file);
     state.workspace_from_clay.setIdentity();
-    becomeClay(state, "Import " + file.filename().string());
+    replaceClayWith(state, "Import " + file.filename().string());
     note("imported " + file.filename().string());
   });
 }
@@ -109,7 +109,7 @@ void Session::importCage(const std::filesystem::path& file) {
 void Session::replaceClay(const ClayState& wanted, const std::string& name) {
   post([this, wanted, name] {
     refuseWhileReplaying();
-    becomeClay(wanted, name);
+    replaceClayWith(wanted, name);
   });
 }
 
@@ -127,17 +127,17 @@ void Session::openDocument(const std::filesystem::path& file) {
   post([this, file] {
     refuseWhileReplaying();
     const Working working(*this, "opening");
-    becomeDocument(Document::open(file));
+    replaceDocumentWith(Document::open(file));
     note("opened " + file.string());
   });
 }
 
 void Session::restartTake() {
-  if (reader_ && !isLive()) act({.what = Deed::What::kAgain});
+  if (reader_ && !isLive()) act({.kind = Action::Kind::kRestart});
 }
 
-void Session::learnAgain() {
-  if (isLive()) act({.what = Deed::What::kEmpty});
+void Session::relearnBackground() {
+  if (isLive()) act({.kind = Action::Kind::kEmpty});
 }
 
 void Session::startRecording(const std::filesystem::path& folder) {
@@ -153,12 +153,12 @@ void Session::stopRecording() {
 
 // ------------------------------------------------------------------------------------------------ deeds
 
-void Session::perform(const Deed& deed) {
-  if (deed.what != Deed::What::kTurn || !turning_) endStroke();
-  switch (deed.what) {
-    case Deed::What::kEndStroke:
+void Session::perform(const Action& action) {
+  if (action.kind != Action::Kind::kTurn || !turning_) endStroke();
+  switch (action.kind) {
+    case Action::Kind::kEndStroke:
       return;  // that was it
-    case Deed::What::kUndo: {
+    case Action::Kind::kUndo: {
       if (!document_.canUndo()) return note("nothing to undo");
       const std::string name = *document_.canUndo();
       document_.undo();
@@ -166,7 +166,7 @@ void Session::perform(const Deed& deed) {
       note("undone: " + name);
       break;
     }
-    case Deed::What::kRedo: {
+    case Action::Kind::kRedo: {
       if (!document_.canRedo()) return note("nothing to redo");
       const std::string name = *document_.canRedo();
       document_.redo();
@@ -174,67 +174,67 @@ void Session::perform(const Deed& deed) {
       note("redone: " + name);
       break;
     }
-    case Deed::What::kRefine: {
+    case Action::Kind::kRefine: {
       const ClayState refined = refine(document_.state());
       commit("Refine", refined);
       note("refined: " + std::to_string(refined.cage.points.size()) + " control points");
       break;
     }
-    case Deed::What::kForm:
-      changeForm(deed);
+    case Action::Kind::kSurface:
+      changeSurface(action);
       break;
-    case Deed::What::kTurn:
-      turnClay(deed);
+    case Action::Kind::kTurn:
+      turnClay(action);
       break;
-    case Deed::What::kAgain:
+    case Action::Kind::kRestart:
       if (reader_ && !options_.replay) reader_->restart();
-      forgetHand();
+      resetTracking();
       break;
-    case Deed::What::kEmpty:
-      pipeline_.forgetBackground();
-      forgetHand();
+    case Action::Kind::kEmpty:
+      pipeline_.resetBackground();
+      resetTracking();
       learned_.clear();
       learned_bytes_ = 0;
       learned_frames_ = 0;
       if (!options_.replay) still_to_learn_ = options_.recording->backgroundFrames();
       break;
-    case Deed::What::kClay:
-    case Deed::What::kDocument:
+    case Action::Kind::kClay:
+    case Action::Kind::kDocument:
       throw std::logic_error("Session: clay from elsewhere comes with its file");
   }
-  recordDeed(deed);
+  recordAction(action);
 }
 
-void Session::changeForm(const Deed& deed) {
+void Session::changeSurface(const Action& action) {
   ClayState state = document_.state();
-  const bool other_level = deed.levels != state.levels;
-  state.levels = deed.levels;
-  state.rule = deed.rule;
-  state.solve = deed.solve;
-  commit(other_level ? "Level " + std::to_string(deed.levels) : "Settings", state);
+  const bool other_level = action.levels != state.levels;
+  state.levels = action.levels;
+  state.rule = action.rule;
+  state.solve = action.solve;
+  commit(other_level ? "Level " + std::to_string(action.levels) : "Settings", state);
 }
 
-void Session::turnClay(const Deed& deed) {
-  turning_ = !deed.last;
-  pipeline_.clay().turn(Eigen::Quaterniond(Eigen::AngleAxisd(deed.angle_rad, deed.axis)));
-  if (deed.last) document_.commit("Turn", stateOf(document_, pipeline_.clay()));
+void Session::turnClay(const Action& action) {
+  turning_ = !action.last;
+  pipeline_.clay().turn(Eigen::Quaterniond(Eigen::AngleAxisd(action.angle_rad, action.axis)));
+  if (action.last) document_.commit("Turn", stateOf(document_, pipeline_.clay()));
 }
 
-void Session::forgetHand() {
-  pipeline_.forgetHand();
-  steady_.reset();
+void Session::resetTracking() {
+  pipeline_.resetTracking();
+  pose_filter_.reset();
   grip_ = Grip::kFree;
 }
 
-void Session::becomeClay(const ClayState& state, const std::string& name) {
+void Session::replaceClayWith(const ClayState& state, const std::string& name) {
   endStroke();
   commit(name, state);
   if (recorder_) recorder_->clay(state, name);
 }
 
-void Session::becomeDocument(Document opened) {
+void Session::replaceDocumentWith(Document opened) {
   endStroke();
-  std::unique_ptr<Pipeline::MadeClay> clay = made(opened.state());
+  std::unique_ptr<Pipeline::PreparedClay> clay = made(opened.state());
   document_ = std::move(opened);
   show(document_.state(), std::move(clay));
   if (recorder_) recorder_->document(document_);
@@ -242,27 +242,27 @@ void Session::becomeDocument(Document opened) {
 
 /// One edit: cancelled or refused while its clay is made, it has changed nothing.
 void Session::commit(const std::string& name, const ClayState& state) {
-  std::unique_ptr<Pipeline::MadeClay> clay = made(state);
+  std::unique_ptr<Pipeline::PreparedClay> clay = made(state);
   document_.commit(name, state);
   show(document_.state(), std::move(clay));
 }
 
 /// The clay of another form on the device; none when the same buffers hold it.
-std::unique_ptr<Pipeline::MadeClay> Session::made(const ClayState& state) {
-  return sameForm(state, form_) ? nullptr : pipeline_.makeClay(state);
+std::unique_ptr<Pipeline::PreparedClay> Session::made(const ClayState& state) {
+  return sameStructure(state, clay_structure_) ? nullptr : pipeline_.prepareClay(state);
 }
 
 void Session::show(const ClayState& state) {
   show(state, made(state));
 }
 
-void Session::show(const ClayState& state, std::unique_ptr<Pipeline::MadeClay> clay) {
+void Session::show(const ClayState& state, std::unique_ptr<Pipeline::PreparedClay> clay) {
   if (!clay) return pipeline_.clay().setControlPoints(state.cage.points, state.workspace_from_clay);
   const std::unique_lock lock(structure_);
-  gpu_.waitIdle();  // the window's pictures of the old clay
+  gpu_.waitIdle();  // the window's images of the old clay
   pipeline_.setClay(std::move(clay));
-  form_ = state;
-  ++form_serial_;
+  clay_structure_ = state;
+  ++structure_serial_;
 }
 
 // ------------------------------------------------------------------------------------ recording, replaying
@@ -275,13 +275,13 @@ void Session::beginRecording(const std::filesystem::path& folder) {
     throw Error("the empty workspace was learned from " + std::to_string(learned_frames_) +
                 " frames, more than are kept for a recording that begins later; --record, from the start, "
                 "would be right");
-  if (turning_) perform({.what = Deed::What::kTurn, .angle_rad = 0, .last = true});
+  if (turning_) perform({.kind = Action::Kind::kTurn, .angle_rad = 0, .last = true});
   endStroke();
-  const ActionsHead head{learns ? source->backgroundFrames() : 0, options_.voxels, options_.hand_name,
+  const ActionsHeader head{learns ? source->backgroundFrames() : 0, options_.voxels, options_.hand_name,
                          !source};
   recorder_.emplace(SessionRecorder::Start{folder, source, options_.rig, head, learned_}, document_);
   // From here on as it will be when this is played: nothing is known of the hand, and the clay is the file's.
-  forgetHand();
+  resetTracking();
   pipeline_.clay().setControlPoints(document_.state().cage.points, document_.state().workspace_from_clay);
   note("recording into " + folder.string());
   showRecorder();
@@ -309,11 +309,11 @@ void Session::showRecorder() {
   recorder_view_ = view;
 }
 
-void Session::recordDeed(const Deed& deed) {
-  if (recorder_) recorder_->deed(deed);
+void Session::recordAction(const Action& action) {
+  if (recorder_) recorder_->action(action);
 }
 
-void Session::recordFrame(const DoneFrame& done, const FrameSet* set) {
+void Session::recordFrame(const ReplayFrame& done, const FrameSet* set) {
   if (!recorder_) return;
   try {
     recorder_->frame(done, set);
@@ -331,25 +331,25 @@ void Session::refuseWhileReplaying() const {
 }
 
 /// What was done of this frame; before it, what was done since the last. None without a replay.
-const DoneFrame* Session::replayedFrame(int frame) {
+const ReplayFrame* Session::replayedFrame(int frame) {
   if (!options_.replay) return nullptr;
   const Actions::Step& step = options_.replay->actions.steps.at(std::size_t(frame));
-  for (const Deed& deed : step.before) replayDeed(deed);
+  for (const Action& action : step.before) replayAction(action);
   return &step.frame;
 }
 
-void Session::replayDeed(const Deed& deed) {
-  const std::filesystem::path file = options_.replay->folder / deed.file;
-  if (deed.what == Deed::What::kClay) {
-    becomeClay(stateIn(file), deed.name);
-  } else if (deed.what == Deed::What::kDocument) {
+void Session::replayAction(const Action& action) {
+  const std::filesystem::path file = options_.replay->folder / action.file;
+  if (action.kind == Action::Kind::kClay) {
+    replaceClayWith(stateIn(file), action.name);
+  } else if (action.kind == Action::Kind::kDocument) {
     // A copy beside the document at hand: the recording itself stays as it is.
     const std::filesystem::path copy =
-        document_.file().parent_path() / (document_.file().stem().string() + "-" + deed.file);
+        document_.file().parent_path() / (document_.file().stem().string() + "-" + action.file);
     std::filesystem::copy_file(file, copy, std::filesystem::copy_options::overwrite_existing);
-    becomeDocument(Document::open(copy));
+    replaceDocumentWith(Document::open(copy));
   } else {
-    perform(deed);
+    perform(action);
   }
   refreshDocumentView();
 }

@@ -10,17 +10,17 @@ TakeWriter::Options optionsOf(const SessionRecorder::Start& start) {
   if (!start.source) return {.rate_hz = 30, .content = TakeWriter::Content::kNothing};
   return {.rate_hz = start.source->rateHz(),
           .content =
-              start.source->hasSilhouettes() ? TakeWriter::Content::kMasks : TakeWriter::Content::kPictures};
+              start.source->hasSilhouettes() ? TakeWriter::Content::kMasks : TakeWriter::Content::kImages};
 }
 
-/// Pictures of the empty workspace, where the source has them.
+/// Images of the empty workspace, where the source has them.
 std::vector<std::vector<std::uint8_t>> backgroundOf(const Recording& source) {
-  std::vector<std::vector<std::uint8_t>> pictures;
+  std::vector<std::vector<std::uint8_t>> images;
   for (const Camera& camera : source.rig().cameras)
-    pictures.emplace_back(std::size_t(3) * std::size_t(camera.width) * std::size_t(camera.height));
-  const std::vector<std::span<std::uint8_t>> buffers(pictures.begin(), pictures.end());
+    images.emplace_back(std::size_t(3) * std::size_t(camera.width) * std::size_t(camera.height));
+  const std::vector<std::span<std::uint8_t>> buffers(images.begin(), images.end());
   source.readBackground(buffers);
-  return pictures;
+  return images;
 }
 
 }  // namespace
@@ -28,7 +28,7 @@ std::vector<std::vector<std::uint8_t>> backgroundOf(const Recording& source) {
 SessionRecorder::SessionRecorder(const Start& start, const Document& document)
     : folder_(start.folder), by_mouse_(!start.source), take_(start.folder, start.rig, optionsOf(start)) {
   document.saveAs(folder_ / kStartFile);
-  ActionsHead head = start.head;
+  ActionsHeader head = start.head;
   head.by_mouse = by_mouse_;
   if (head.hand != "right" && head.hand != "left") {
     std::filesystem::copy_file(head.hand, folder_ / "hand.glb");
@@ -38,7 +38,7 @@ SessionRecorder::SessionRecorder(const Start& start, const Document& document)
   write(linesOf(head));
   if (start.source && start.source->hasBackground() && !start.source->hasSilhouettes())
     take_.writeBackground(backgroundOf(*start.source));
-  DoneFrame learned;
+  ReplayFrame learned;
   learned.learned = true;
   for (const FrameSet& set : start.learned) frame(learned, &set);
 }
@@ -49,8 +49,8 @@ void SessionRecorder::write(const std::string& lines) {
     throw Error((folder_ / kActionsFile).string() + ": cannot be written; is the disk full?");
 }
 
-void SessionRecorder::deed(const Deed& deed) {
-  write(lineOf(deed));
+void SessionRecorder::action(const Action& action) {
+  write(lineOf(action));
 }
 
 std::filesystem::path SessionRecorder::nextFile() {
@@ -58,18 +58,18 @@ std::filesystem::path SessionRecorder::nextFile() {
 }
 
 void SessionRecorder::clay(const ClayState& state, const std::string& name) {
-  Deed deed{.what = Deed::What::kClay, .file = nextFile(), .name = name};
-  Document::create(folder_ / deed.file, state, name);
-  write(lineOf(deed));
+  Action action{.kind = Action::Kind::kClay, .file = nextFile(), .name = name};
+  Document::create(folder_ / action.file, state, name);
+  write(lineOf(action));
 }
 
 void SessionRecorder::document(const Document& opened) {
-  const Deed deed{.what = Deed::What::kDocument, .file = nextFile()};
-  opened.saveAs(folder_ / deed.file);
-  write(lineOf(deed));
+  const Action action{.kind = Action::Kind::kDocument, .file = nextFile()};
+  opened.saveAs(folder_ / action.file);
+  write(lineOf(action));
 }
 
-void SessionRecorder::frame(const DoneFrame& frame, const FrameSet* set) {
+void SessionRecorder::frame(const ReplayFrame& frame, const FrameSet* set) {
   if (set) take_.write({set->camera_times_s, set->bytes});
   if (const std::string fault = take_.status().fault; !fault.empty()) throw Error(fault);
   write(lineOf(frame, by_mouse_));

@@ -26,20 +26,20 @@ class SessionRecorder {
     std::filesystem::path folder;  ///< a new or empty one
     Recording* source = nullptr;   ///< none: the mouse's hand
     const Rig& rig;
-    ActionsHead head;                      ///< `hand` right, left, or a file to be copied
+    ActionsHeader head;                      ///< `hand` right, left, or a file to be copied
     const std::vector<FrameSet>& learned;  ///< the sets that taught the empty workspace so far
   };
   /// `document` is where the recording begins; its history goes along, as undo may reach back.
   /// \throw Error when the folder cannot be made or is not empty.
   SessionRecorder(const Start& start, const Document& document);
 
-  void deed(const Deed& deed);
+  void action(const Action& action);
   /// The deed that brings a clay from elsewhere: `state` goes along.
   void clay(const ClayState& state, const std::string& name);
   void document(const Document& opened);
   /// A frame as it was worked on, and its set, where there are cameras. Waits for a disk that is slower than
   /// the cameras. \throw Error when the disk is full
-  void frame(const DoneFrame& frame, const FrameSet* set);
+  void frame(const ReplayFrame& frame, const FrameSet* set);
   /// Ends it as it should. \throw Error when something could not be written
   void end();
 

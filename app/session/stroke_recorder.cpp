@@ -12,14 +12,14 @@ ClayState stateOf(const Document& document, const Clay& clay) {
   return state;
 }
 
-bool KeptStrokes::see(const StrokeFrame& frame, const std::string& tool, const Clay& clay) {
+bool StrokeRecorder::see(const StrokeFrame& frame, const std::string& tool, const Clay& clay) {
   const std::string name = watch_.name();  // of the stroke that may end here; another may begin
   if (watch_.see(frame, tool) != StrokeEvent::kEnded) return false;
   document_.commit(name, stateOf(document_, clay));
   return true;
 }
 
-bool KeptStrokes::finish(const Clay& clay) {
+bool StrokeRecorder::finish(const Clay& clay) {
   if (watch_.finish() != StrokeEvent::kEnded) return false;
   document_.commit(watch_.name(), stateOf(document_, clay));
   return true;

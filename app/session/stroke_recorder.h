@@ -13,16 +13,16 @@ class Clay;
 ClayState stateOf(const Document& document, const Clay& clay);
 
 /// Commits every stroke when it has ended.
-class KeptStrokes {
+class StrokeRecorder {
  public:
   /// `document` must outlive this; another may be moved into it between strokes.
-  explicit KeptStrokes(Document& document) : document_(document) {}
+  explicit StrokeRecorder(Document& document) : document_(document) {}
 
   /// The next frame, sculpted. True when a stroke went into the document.
   bool see(const StrokeFrame& frame, const std::string& tool, const Clay& clay);
   /// The stroke under way ends here.
   bool finish(const Clay& clay);
-  bool underWay() const { return watch_.underWay(); }
+  bool active() const { return watch_.active(); }
 
  private:
   Document& document_;

@@ -14,12 +14,12 @@
 namespace airclay {
 namespace {
 
-constexpr double kQuietS = 0.2;  // between pictures when no set comes
+constexpr double kQuietS = 0.2;  // between images when no set comes
 // In letters' heights.
 constexpr float kPanelWidth = 22;
 constexpr ImU32 kVeil = IM_COL32(250, 248, 245, 105);
 
-ImVec2 at(const PicturePlace& place, const Vec2& pixel) {
+ImVec2 at(const ImagePlacement& place, const Vec2& pixel) {
   return {static_cast<float>(place.left + (pixel.x() + 0.5) * place.scale),
           static_cast<float>(place.top + (pixel.y() + 0.5) * place.scale)};
 }
@@ -51,19 +51,19 @@ class CalibrationWindow {
   void draw() {
     const auto width = static_cast<float>(shown_.window().width());
     const float panel = std::min(kPanelWidth * ImGui::GetFontSize(), 0.45f * width);
-    std::vector<PictureSize> sizes;
+    std::vector<ImageSize> sizes;
     for (const CollectedCamera& camera : state_.cameras) sizes.push_back(camera.size);
-    shown_.lay(sizes, state_.set ? state_.set->pictures : std::vector<LivePicture>(), panel);
+    shown_.lay(sizes, state_.set ? state_.set->images : std::vector<LiveImage>(), panel);
     for (std::size_t c = 0; c < sizes.size(); ++c) drawOver(c);
     drawPanel(width - panel, panel, static_cast<float>(shown_.window().height()));
     shown_.show();
   }
 
-  /// Over a camera's picture: a veil where it has not seen the board, the corners that it sees, and below it
+  /// Over a camera's image: a veil where it has not seen the board, the corners that it sees, and below it
   /// how far it is.
   void drawOver(std::size_t index) {
     const CollectedCamera& camera = state_.cameras[index];
-    const PicturePlace& place = shown_.places()[index];
+    const ImagePlacement& place = shown_.places()[index];
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     const float em = ImGui::GetFontSize();
     const auto left = float(place.left), top = float(place.top), bottom = float(place.bottom());
@@ -114,7 +114,7 @@ class CalibrationWindow {
     ImGui::PushTextWrapPos(0);
     ImGui::TextDisabled(
         "%d positions of the board are kept. One is kept when the board rests for a moment "
-        "where it was not yet; the veil over each picture goes where it has been.",
+        "where it was not yet; the veil over each image goes where it has been.",
         state_.kept_sets);
     ImGui::PopTextWrapPos();
     ImGui::Separator();
@@ -147,7 +147,7 @@ class CalibrationWindow {
     if (wished("Make the rig   Enter", GLFW_KEY_ENTER, idle && state_.kept_sets > 0)) calibration_.finish();
     ImGui::PopStyleColor();
     if (wished("The world is where the board lies   W", GLFW_KEY_W, idle)) calibration_.takeWorld();
-    if (wished("Begin again   Backspace", GLFW_KEY_BACKSPACE, idle)) calibration_.beginAgain();
+    if (wished("Begin again   Backspace", GLFW_KEY_BACKSPACE, idle)) calibration_.restart();
     if (wished("Close   Esc", GLFW_KEY_ESCAPE, true)) shown_.window().close();
     ImGui::PushTextWrapPos(0);
     if (state_.world)

@@ -17,21 +17,21 @@ constexpr double kSmallestScale = 0.05, kLargestScale = 2;
 constexpr std::uint32_t kMissing = 0xFFB8B2ACu;
 
 /// Bilinear; B G R A.
-void drawPicture(const LivePicture& picture, const PicturePlace& place, std::uint32_t* out) {
-  if (picture.bgr.empty()) {
+void drawImage(const LiveImage& image, const ImagePlacement& place, std::uint32_t* out) {
+  if (image.bgr.empty()) {
     std::fill_n(out, std::size_t(place.width) * std::size_t(place.height), kMissing);
     return;
   }
   const auto within = [&](int at, int most) {
     return std::clamp((at + 0.5) / place.scale - 0.5, 0.0, most - 1.001);
   };
-  const std::size_t stride = 3 * static_cast<std::size_t>(picture.size.width);
+  const std::size_t stride = 3 * static_cast<std::size_t>(image.size.width);
   for (int row = 0; row < place.height; ++row)
     for (int column = 0; column < place.width; ++column) {
-      const double x = within(column, picture.size.width), y = within(row, picture.size.height);
+      const double x = within(column, image.size.width), y = within(row, image.size.height);
       const auto left = static_cast<std::size_t>(x), top = static_cast<std::size_t>(y);
       const double u = x - double(left), v = y - double(top);
-      const std::uint8_t* upper = picture.bgr.data() + top * stride + 3 * left;
+      const std::uint8_t* upper = image.bgr.data() + top * stride + 3 * left;
       const std::uint8_t* lower = upper + stride;
       std::uint32_t word = 0xFF000000u;
       for (int channel = 0; channel < 3; ++channel) {
@@ -48,18 +48,18 @@ void drawPicture(const LivePicture& picture, const PicturePlace& place, std::uin
 CameraWindow::CameraWindow(Gpu& gpu, const std::string& title)
     : gpu_(gpu), window_(gpu, {.title = title, .width = 1280, .height = 800}), recorder_(gpu) {}
 
-void CameraWindow::lay(const std::vector<PictureSize>& sizes, const std::vector<LivePicture>& pictures,
+void CameraWindow::lay(const std::vector<ImageSize>& sizes, const std::vector<LiveImage>& images,
                        double beside_px) {
   place(sizes, window_.width() - beside_px, window_.height());
-  drawPictures(pictures);
+  drawImages(images);
 }
 
-void CameraWindow::place(const std::vector<PictureSize>& sizes, double width, double height) {
+void CameraWindow::place(const std::vector<ImageSize>& sizes, double width, double height) {
   const double em = ImGui::GetFontSize();
   const double gap = kGap * em, label = kLabelHeight * em;
   const auto count = static_cast<int>(sizes.size());
   double widest = 1, highest = 1;
-  for (const PictureSize& size : sizes) {
+  for (const ImageSize& size : sizes) {
     widest = std::max(widest, double(size.width));
     highest = std::max(highest, double(size.height));
   }
@@ -77,7 +77,7 @@ void CameraWindow::place(const std::vector<PictureSize>& sizes, double width, do
                first_top = std::max(0.0, (height - rowsOf(columns) * cell_height + gap) / 2);
   places_.clear();
   for (int i = 0; i < count; ++i) {
-    const PictureSize& size = sizes[static_cast<std::size_t>(i)];
+    const ImageSize& size = sizes[static_cast<std::size_t>(i)];
     places_.push_back({static_cast<int>(first_left + (i % columns) * cell_width),
                        static_cast<int>(first_top + (i / columns) * cell_height),
                        std::max(1, static_cast<int>(size.width * scale)),
@@ -85,16 +85,16 @@ void CameraWindow::place(const std::vector<PictureSize>& sizes, double width, do
   }
 }
 
-void CameraWindow::drawPictures(const std::vector<LivePicture>& pictures) {
+void CameraWindow::drawImages(const std::vector<LiveImage>& images) {
   std::size_t pixels = 0;
-  for (const PicturePlace& place : places_) pixels += std::size_t(place.width) * std::size_t(place.height);
+  for (const ImagePlacement& place : places_) pixels += std::size_t(place.width) * std::size_t(place.height);
   if (pixels > pixels_.count()) pixels_ = Buffer<std::uint32_t>(gpu_, pixels, Memory::kHost);
   insets_.clear();
   std::size_t first = 0;
   for (std::size_t i = 0; i < places_.size(); ++i) {
-    const PicturePlace& place = places_[i];
-    const LivePicture none;
-    drawPicture(i < pictures.size() ? pictures[i] : none, place, pixels_.host().data() + first);
+    const ImagePlacement& place = places_[i];
+    const LiveImage none;
+    drawImage(i < images.size() ? images[i] : none, place, pixels_.host().data() + first);
     insets_.push_back({&pixels_, first, place.width, place.height, place.left, place.top});
     first += std::size_t(place.width) * std::size_t(place.height);
   }
@@ -102,7 +102,7 @@ void CameraWindow::drawPictures(const std::vector<LivePicture>& pictures) {
 
 void CameraWindow::drawLabel(std::size_t camera, const CameraLabel& label) const {
   constexpr ImU32 kLabelPaper = IM_COL32(250, 248, 245, 240);
-  const PicturePlace& place = places_[camera];
+  const ImagePlacement& place = places_[camera];
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   const float em = ImGui::GetFontSize();
   const auto left = float(place.left), top = float(place.bottom()), right = float(place.right());

@@ -31,15 +31,15 @@ struct TrustWords {
   const char* word;
   std::uint32_t color;
 };
-TrustWords wordsFor(HandTrust trust) {
+TrustWords wordsFor(TrackingState trust) {
   switch (trust) {
-    case HandTrust::kTracking:
+    case TrackingState::kTracking:
       return {"tracking", look::kGood};
-    case HandTrust::kUncertain:
+    case TrackingState::kUncertain:
       return {"uncertain: the clay rests", look::kDoubt};
-    case HandTrust::kLost:
+    case TrackingState::kLost:
       return {"lost: the clay rests", look::kBad};
-    case HandTrust::kNobody:
+    case TrackingState::kNoHand:
       break;
   }
   return {"nobody there", look::kFaint};
@@ -68,7 +68,7 @@ void Meter::shown(std::optional<double> latency_ms) {
   times_.push_back(now);
   while (now - times_.front() > std::chrono::seconds(2)) times_.pop_front();
   const double span_s = std::chrono::duration<double>(now - times_.front()).count();
-  picture_hz_ = span_s > 0 ? static_cast<double>(times_.size() - 1) / span_s : 0;
+  frame_hz_ = span_s > 0 ? static_cast<double>(times_.size() - 1) / span_s : 0;
   if (latency_ms) {
     latencies_.emplace_back(now, *latency_ms);
     history_.push_back(static_cast<float>(*latency_ms));
@@ -81,37 +81,37 @@ void Meter::shown(std::optional<double> latency_ms) {
   latency_ms_ = median(values);
 }
 
-PanelWishes Panels::draw(const Snapshot& snapshot, const Stage& stage, const Meter& meter) {
-  PanelWishes wishes;
+PanelRequests Panels::draw(const Snapshot& snapshot, const Stage& stage, const Meter& meter) {
+  PanelRequests requests;
   insets_.clear();
   const DocumentView document = session_.documentView();
-  drawMenu(document, wishes);
+  drawMenu(document, requests);
   if (settings_.show_panels) {
-    drawTools(document, wishes);
+    drawTools(document, requests);
     drawStatus(snapshot, stage, meter);
   }
   drawHint(snapshot, stage);
-  drawWork();
-  return wishes;
+  drawTask();
+  return requests;
 }
 
-void Panels::drawMenu(const DocumentView& document, PanelWishes& wishes) {
+void Panels::drawMenu(const DocumentView& document, PanelRequests& requests) {
   if (!ImGui::BeginMainMenuBar()) return;
   menu_height_ = ImGui::GetWindowHeight();
   if (ImGui::BeginMenu("File")) {
     if (ImGui::BeginMenu("New clay")) {
       for (const std::string& preset : presetNames())
-        if (ImGui::MenuItem(preset.c_str())) wishes.new_clay = preset;
+        if (ImGui::MenuItem(preset.c_str())) requests.new_clay = preset;
       ImGui::EndMenu();
     }
-    wishes.open = ImGui::MenuItem("Open...", "Ctrl O");
-    wishes.save_as = ImGui::MenuItem("Save as...", "Ctrl S");
-    wishes.record = ImGui::MenuItem(session_.recorderView().recording ? "Stop recording" : "Record", "Ctrl R",
+    requests.open = ImGui::MenuItem("Open...", "Ctrl O");
+    requests.save_as = ImGui::MenuItem("Save as...", "Ctrl S");
+    requests.record = ImGui::MenuItem(session_.recorderView().recording ? "Stop recording" : "Record", "Ctrl R",
                                     false, !session_.replaying());
     ImGui::Separator();
-    wishes.import = ImGui::MenuItem("Import a cage (OBJ)...");
-    wishes.export_surface = ImGui::MenuItem("Export the surface...", "Ctrl E");
-    wishes.export_cage = ImGui::MenuItem("Export the cage...");
+    requests.import = ImGui::MenuItem("Import a cage (OBJ)...");
+    requests.export_surface = ImGui::MenuItem("Export the surface...", "Ctrl E");
+    requests.export_cage = ImGui::MenuItem("Export the cage...");
     ImGui::EndMenu();
   }
   if (ImGui::BeginMenu("Edit")) {
@@ -131,7 +131,7 @@ void Panels::drawMenu(const DocumentView& document, PanelWishes& wishes) {
     ImGui::MenuItem("Cameras", "C", &settings_.show_cameras);
     ImGui::EndMenu();
   }
-  wishes.help = ImGui::MenuItem("Help  F1");
+  requests.help = ImGui::MenuItem("Help  F1");
   const std::string name = document.file.stem().string();
   const float width = ImGui::CalcTextSize(name.c_str()).x;
   ImGui::SameLine((ImGui::GetIO().DisplaySize.x - width) / 2);
@@ -139,7 +139,7 @@ void Panels::drawMenu(const DocumentView& document, PanelWishes& wishes) {
   ImGui::EndMainMenuBar();
 }
 
-void Panels::drawTools(const DocumentView& document, PanelWishes& wishes) {
+void Panels::drawTools(const DocumentView& document, PanelRequests& requests) {
   ImGui::SetNextWindowPos(ImVec2(kMargin, menu_height_ + kMargin));
   ImGui::Begin("Sculpt", nullptr, kPanel);
   const float em = ImGui::GetFontSize();
@@ -168,8 +168,8 @@ void Panels::drawTools(const DocumentView& document, PanelWishes& wishes) {
     tip(words);
   }
   const float half = (3 * third.x + ImGui::GetStyle().ItemSpacing.x) / 2;
-  drawClutch(half, wishes);
-  ImGui::Checkbox("Steady hand", &settings_.steady);
+  drawClutch(half, requests);
+  ImGui::Checkbox("Steady hand", &settings_.filtered);
   tip("A hand at rest does not tremble; costs a few milliseconds");
   ImGui::Separator();
   const ImVec2 pair(half, em * 1.9f);
@@ -178,13 +178,13 @@ void Panels::drawTools(const DocumentView& document, PanelWishes& wishes) {
   ImGui::SameLine();
   if (ImGui::Button("Redo", pair)) session_.redo();
   tip(document.redo ? document.redo->c_str() : "nothing to redo");
-  drawRecorder(ImVec2(2 * half + ImGui::GetStyle().ItemSpacing.x, em * 1.9f), wishes);
-  drawForm(document);
+  drawRecorder(ImVec2(2 * half + ImGui::GetStyle().ItemSpacing.x, em * 1.9f), requests);
+  drawSurface(document);
   if (ImGui::CollapsingHeader("Show")) drawShown();
   ImGui::End();
 }
 
-void Panels::drawClutch(float half, PanelWishes& wishes) {
+void Panels::drawClutch(float half, PanelRequests& requests) {
   const ImVec2 size(half, ImGui::GetFontSize() * 1.8f);
   ImGui::TextDisabled("Clutch");
   if (toggle("On touch", settings_.clutch == Clutch::kContact, size)) settings_.clutch = Clutch::kContact;
@@ -201,16 +201,16 @@ void Panels::drawClutch(float half, PanelWishes& wishes) {
     asks_for_key_ = !asks_for_key_;
   tip("Choose another key");
   if (!asks_for_key_) return;
-  wishes.clutch_key = keyPressed();
-  if (wishes.clutch_key != 0) asks_for_key_ = false;
+  requests.clutch_key = keyPressed();
+  if (requests.clutch_key != 0) asks_for_key_ = false;
 }
 
-void Panels::drawRecorder(const ImVec2& size, PanelWishes& wishes) {
+void Panels::drawRecorder(const ImVec2& size, PanelRequests& requests) {
   const RecorderView recorder = session_.recorderView();
   const std::string words =
       recorder.recording ? "Stop  (" + std::to_string(recorder.frames) + " frames)" : "Record";
   ImGui::BeginDisabled(session_.replaying());
-  if (toggle((words + "##record").c_str(), recorder.recording, size)) wishes.record = true;
+  if (toggle((words + "##record").c_str(), recorder.recording, size)) requests.record = true;
   ImGui::EndDisabled();
   tip("Everything that is seen and done goes into a folder, to be played again  (Ctrl R)");
   if (recorder.waited_s > 0.05)
@@ -218,8 +218,8 @@ void Panels::drawRecorder(const ImVec2& size, PanelWishes& wishes) {
 }
 
 /// Work that takes longer than a blink, on the session's own thread.
-void Panels::drawWork() {
-  const WorkView work = session_.workView();
+void Panels::drawTask() {
+  const TaskStatus work = session_.taskStatus();
   if (work.what.empty() || millisecondsSince(work.since) < kWorkShownAfterMs) return;
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   const float em = ImGui::GetFontSize();
@@ -228,28 +228,28 @@ void Panels::drawWork() {
   ImGui::Text("%s, %.0f s", work.what.c_str(), 1e-3 * millisecondsSince(work.since));
   ImGui::ProgressBar(static_cast<float>(work.share), ImVec2(em * 18, 0), "");
   if (ImGui::Button("Cancel  (Esc)") || ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape), false))
-    session_.cancelWork();
+    session_.cancelTask();
   ImGui::End();
 }
 
-void Panels::drawForm(const DocumentView& document) {
+void Panels::drawSurface(const DocumentView& document) {
   if (!ImGui::CollapsingHeader("Clay")) return;
   ImGui::Text("%d control points, %d on the surface", document.control_points, document.data_points);
   int levels = document.levels;
   ImGui::SetNextItemWidth(ImGui::GetFontSize() * 6);
   if (ImGui::InputInt("level", &levels, 1, 1)) {
     levels = std::clamp(levels, 1, 6);
-    if (levels != document.levels) session_.setForm(levels, document.rule, document.solve);
+    if (levels != document.levels) session_.setSurface(levels, document.rule, document.solve);
   }
   tip("How often the cage is subdivided");
-  int rule = document.rule == SubdivisionRule::kPrinted, solve = document.solve == SolveRows::kTouched;
+  int rule = document.rule == SubdivisionRule::kPrinted, solve = document.solve == SolveMethod::kTouched;
   ImGui::SetNextItemWidth(ImGui::GetFontSize() * 9);
   if (ImGui::Combo("rule", &rule, "Catmull-Clark\0as printed\0"))
-    session_.setForm(document.levels, rule ? SubdivisionRule::kPrinted : SubdivisionRule::kCatmullClark,
+    session_.setSurface(document.levels, rule ? SubdivisionRule::kPrinted : SubdivisionRule::kCatmullClark,
                      document.solve);
   ImGui::SetNextItemWidth(ImGui::GetFontSize() * 9);
   if (ImGui::Combo("solve", &solve, "all points\0touched points\0"))
-    session_.setForm(document.levels, document.rule, solve ? SolveRows::kTouched : SolveRows::kAll);
+    session_.setSurface(document.levels, document.rule, solve ? SolveMethod::kTouched : SolveMethod::kAll);
   if (ImGui::Button("Refine")) session_.refineClay();
   tip("A finer cage under the same surface, to add detail  (R)");
 }
@@ -268,7 +268,7 @@ void Panels::drawStatus(const Snapshot& snapshot, const Stage& stage, const Mete
   ImGui::Begin("Hand", nullptr, kPanel);
   const TrustWords trust = snapshot.learning ? TrustWords{"learning the empty workspace", look::kFaint}
                            : snapshot.ended  ? TrustWords{"the recording has ended", look::kFaint}
-                           : snapshot.silent ? TrustWords{"no pictures come", look::kFaint}
+                           : snapshot.silent ? TrustWords{"no images come", look::kFaint}
                                              : wordsFor(snapshot.trust);
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float em = ImGui::GetFontSize();
@@ -277,8 +277,8 @@ void Panels::drawStatus(const Snapshot& snapshot, const Stage& stage, const Mete
   ImGui::Dummy(ImVec2(em * 0.9f, em));
   ImGui::SameLine();
   ImGui::TextUnformatted(trust.word);
-  ImGui::Text("%.0f pictures a second, %.0f frames tracked", meter.pictureHz(), snapshot.rate_hz);
-  ImGui::Text("%.0f ms from camera to picture", meter.latencyMs());
+  ImGui::Text("%.0f images a second, %.0f frames tracked", meter.frameHz(), snapshot.rate_hz);
+  ImGui::Text("%.0f ms from camera to image", meter.latencyMs());
   if (session_.hasRecording()) {
     const HandFit& fit = snapshot.result.fit;
     if (fit.tracked) ImGui::Text("%.0f %% of the skin outside the hull", 100 * fit.outside_fraction);
@@ -286,8 +286,8 @@ void Panels::drawStatus(const Snapshot& snapshot, const Stage& stage, const Mete
       ImGui::Text("%.1f ms between the cameras", 1000 * *snapshot.skew_s);
     else
       ImGui::TextDisabled("cameras without times of their own");
-    for (const std::string& trouble : snapshot.troubles)
-      ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(look::kClay), "%s", trouble.c_str());
+    for (const std::string& camera_problem : snapshot.camera_problems)
+      ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(look::kClay), "%s", camera_problem.c_str());
     drawStages(snapshot);
   }
   if (settings_.show_graph && meter.history().size() > 1) {
@@ -295,7 +295,7 @@ void Panels::drawStatus(const Snapshot& snapshot, const Stage& stage, const Mete
     const float highest = std::max(120.0f, 1.1f * *std::max_element(values.begin(), values.end()));
     ImGui::PlotLines("##latency", values.data(), static_cast<int>(values.size()), 0, nullptr, 0, highest,
                      ImVec2(Session::kThumbnailWidth - 2 * ImGui::GetStyle().WindowPadding.x, em * 3.5f));
-    tip("Milliseconds from camera to picture, over the last frames");
+    tip("Milliseconds from camera to image, over the last frames");
   }
   status_bottom_ = ImGui::GetWindowPos().y + ImGui::GetWindowHeight();
   ImGui::End();
@@ -305,7 +305,7 @@ void Panels::drawStatus(const Snapshot& snapshot, const Stage& stage, const Mete
 void Panels::drawStages(const Snapshot& snapshot) {
   std::string words = "decode " + fixed(snapshot.decode_ms, 1);
   for (const auto& [name, ms] : snapshot.stage_ms) words += ", " + name + " " + fixed(ms, 1);
-  if (snapshot.steady_ms) words += ", steady " + fixed(*snapshot.steady_ms, 0);
+  if (snapshot.filter_lag_ms) words += ", steady " + fixed(*snapshot.filter_lag_ms, 0);
   const float top = ImGui::GetCursorPosY();
   ImGui::PushTextWrapPos(ImGui::GetCursorPosX() + Session::kThumbnailWidth -
                          2 * ImGui::GetStyle().WindowPadding.x);
@@ -316,7 +316,7 @@ void Panels::drawStages(const Snapshot& snapshot) {
                                 top + 3 * ImGui::GetTextLineHeight() + ImGui::GetStyle().ItemSpacing.y));
 }
 
-/// The pictures themselves lie under the interface, so this panel has no ground of its own. Where there is no
+/// The images themselves lie under the interface, so this panel has no ground of its own. Where there is no
 /// room for all, they are half as large, in two columns; of still more the wheel brings the others.
 void Panels::drawCameras(const Snapshot& snapshot, const Stage& stage) {
   const std::vector<Camera>& cameras = session_.rig().cameras;
@@ -334,10 +334,10 @@ void Panels::drawCameras(const Snapshot& snapshot, const Stage& stage) {
   const auto shown = static_cast<std::size_t>(std::max(1.0f, room / heightOf(small)));
   const std::size_t first = scrollCameras(rows, shown, ImVec2(window.x - kMargin, top), room);
   for (std::size_t c = first * columns; c < std::min(cameras.size(), (first + shown) * columns); ++c) {
-    const Session::Thumbnail& picture = session_.thumbnail(c, small);
+    const Session::Thumbnail& image = session_.thumbnail(c, small);
     const float left = window.x - kMargin - static_cast<float>(Session::kThumbnailWidth) +
-                       static_cast<float>(c % columns) * (static_cast<float>(picture.width) + gap);
-    drawCamera(c, picture, ImVec2(left, top + static_cast<float>(c / columns - first) * heightOf(small)),
+                       static_cast<float>(c % columns) * (static_cast<float>(image.width) + gap);
+    drawCamera(c, image, ImVec2(left, top + static_cast<float>(c / columns - first) * heightOf(small)),
                snapshot, stage);
   }
 }
@@ -359,14 +359,14 @@ std::size_t Panels::scrollCameras(std::size_t rows, std::size_t shown, const ImV
   return static_cast<std::size_t>(first_camera_row_);
 }
 
-void Panels::drawCamera(std::size_t c, const Session::Thumbnail& picture, const ImVec2& at,
+void Panels::drawCamera(std::size_t c, const Session::Thumbnail& image, const ImVec2& at,
                         const Snapshot& snapshot, const Stage& stage) {
   const Camera& camera = session_.rig().cameras[c];
-  insets_.push_back({&session_.thumbnails(), picture.first, picture.width, picture.height,
+  insets_.push_back({&session_.thumbnails(), image.first, image.width, image.height,
                      static_cast<int>(at.x), static_cast<int>(at.y)});
   ImDrawList* draw = ImGui::GetBackgroundDrawList();
   if (snapshot.result.fit.tracked) {
-    const float scale = static_cast<float>(picture.width) / static_cast<float>(camera.width);
+    const float scale = static_cast<float>(image.width) / static_cast<float>(camera.width);
     for (const auto& [a, b] : stage.outline(c, snapshot.result.fit.world_from_hand))
       draw->AddLine(ImVec2(at.x + scale * float(a.x()), at.y + scale * float(a.y())),
                     ImVec2(at.x + scale * float(b.x()), at.y + scale * float(b.y())), 0xFFFFFFFFu, 1.2f);

@@ -15,9 +15,9 @@ namespace airclay {
 /// Figures of the last seconds, for the graph and the log.
 class Meter {
  public:
-  /// A picture was shown; `latency_ms` since its frame was captured, when it shows a new one.
+  /// A image was shown; `latency_ms` since its frame was captured, when it shows a new one.
   void shown(std::optional<double> latency_ms);
-  double pictureHz() const { return picture_hz_; }
+  double frameHz() const { return frame_hz_; }
   double latencyMs() const { return latency_ms_; }  ///< median of the last two seconds
   /// Of every new frame, the oldest first.
   const std::deque<float>& history() const { return history_; }
@@ -26,11 +26,11 @@ class Meter {
   std::deque<Clock::time_point> times_;
   std::deque<std::pair<Clock::time_point, double>> latencies_;
   std::deque<float> history_;
-  double picture_hz_ = 0, latency_ms_ = 0;
+  double frame_hz_ = 0, latency_ms_ = 0;
 };
 
 /// What the panels ask the studio for, beyond the settings.
-struct PanelWishes {
+struct PanelRequests {
   bool open = false, save_as = false, import = false, export_surface = false, export_cage = false,
        help = false;
   bool record = false;   ///< begin a recording, or end the one under way
@@ -42,32 +42,32 @@ class Panels {
  public:
   Panels(Session& session, StudioSettings& settings) : session_(session), settings_(settings) {}
 
-  PanelWishes draw(const Snapshot& snapshot, const Stage& stage, const Meter& meter);
-  /// Where the cameras' pictures lie, of the panels drawn last.
+  PanelRequests draw(const Snapshot& snapshot, const Stage& stage, const Meter& meter);
+  /// Where the cameras' images lie, of the panels drawn last.
   std::span<const Inset> insets() const { return insets_; }
   /// The next key that is pressed is to be the clutch: it means nothing else.
   bool asksForKey() const { return asks_for_key_; }
 
  private:
-  void drawMenu(const DocumentView& document, PanelWishes& wishes);
-  void drawTools(const DocumentView& document, PanelWishes& wishes);
-  void drawClutch(float half, PanelWishes& wishes);
-  void drawRecorder(const ImVec2& size, PanelWishes& wishes);
-  void drawWork();
-  void drawForm(const DocumentView& document);
+  void drawMenu(const DocumentView& document, PanelRequests& requests);
+  void drawTools(const DocumentView& document, PanelRequests& requests);
+  void drawClutch(float half, PanelRequests& requests);
+  void drawRecorder(const ImVec2& size, PanelRequests& requests);
+  void drawTask();
+  void drawSurface(const DocumentView& document);
   void drawShown();
   void drawStatus(const Snapshot& snapshot, const Stage& stage, const Meter& meter);
   void drawStages(const Snapshot& snapshot);
   void drawCameras(const Snapshot& snapshot, const Stage& stage);
   std::size_t scrollCameras(std::size_t rows, std::size_t shown, const ImVec2& right_top, float room);
-  void drawCamera(std::size_t camera, const Session::Thumbnail& picture, const ImVec2& at,
+  void drawCamera(std::size_t camera, const Session::Thumbnail& image, const ImVec2& at,
                   const Snapshot& snapshot, const Stage& stage);
   void drawHint(const Snapshot& snapshot, const Stage& stage);
 
   Session& session_;
   StudioSettings& settings_;
   std::vector<Inset> insets_;
-  float menu_height_ = 0, status_bottom_ = 0;  ///< pixels, of the last picture
+  float menu_height_ = 0, status_bottom_ = 0;  ///< pixels, of the last image
   bool asks_for_key_ = false;
   int first_camera_row_ = 0;  ///< of more cameras than there is room for
 };

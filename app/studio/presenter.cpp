@@ -3,11 +3,11 @@
 
 namespace airclay {
 
-Screen::~Screen() {
+Presenter::~Presenter() {
   vkDestroyRenderPass(gpu_.device(), render_pass_, nullptr);
 }
 
-void Screen::makeRenderPass() {
+void Presenter::makeRenderPass() {
   VkAttachmentDescription color{};
   color.format = kFormat;
   color.samples = VK_SAMPLE_COUNT_1_BIT;
@@ -30,7 +30,7 @@ void Screen::makeRenderPass() {
   check(vkCreateRenderPass(gpu_.device(), &info, nullptr, &render_pass_), "make a render pass");
 }
 
-VkFramebuffer Screen::makeFramebuffer(VkImageView view) const {
+VkFramebuffer Presenter::makeFramebuffer(VkImageView view) const {
   VkFramebufferCreateInfo info{VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO};
   info.renderPass = render_pass_;
   info.attachmentCount = 1;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where a window's pictures are drawn and how they come to the display: by a swapchain, or on a software
+// Where a window's images are drawn and how they come to the display: by a swapchain, or on a software
 // device through memory that the X server shares.
 #pragma once
 
@@ -9,12 +9,12 @@
 
 namespace airclay {
 
-class Screen {
+class Presenter {
  public:
-  explicit Screen(Gpu& gpu) : gpu_(gpu) {}
-  virtual ~Screen();
-  Screen(const Screen&) = delete;
-  Screen& operator=(const Screen&) = delete;
+  explicit Presenter(Gpu& gpu) : gpu_(gpu) {}
+  virtual ~Presenter();
+  Presenter(const Presenter&) = delete;
+  Presenter& operator=(const Presenter&) = delete;
 
   virtual const char* name() const = 0;
   /// Dear ImGui's, over what is there: from the layout of an attachment to shownLayout().
@@ -33,7 +33,7 @@ class Screen {
     VkFramebuffer framebuffer = VK_NULL_HANDLE;
   };
   /// The next image to draw into; none when the window has changed: resize(), and ask again. \pre the last
-  /// picture has been shown
+  /// image has been shown
   virtual std::optional<Target> acquire() = 0;
   /// Submits what `recorder` has, which draws the target; returns without waiting for it.
   virtual void submit(Recorder& recorder, const Target& target) = 0;
@@ -41,7 +41,7 @@ class Screen {
   virtual bool show(Recorder& recorder, const Target& target) = 0;
 
  protected:
-  /// As bytes, not as light: the engine's pictures and the interface's colours are sRGB already.
+  /// As bytes, not as light: the engine's images and the interface's colours are sRGB already.
   static constexpr VkFormat kFormat = VK_FORMAT_B8G8R8A8_UNORM;
 
   /// \pre shownLayout() may be called

@@ -40,9 +40,9 @@ void watchCameras(Gpu& gpu, LiveCameras& cameras, const std::function<bool(const
     if (!shown.begin()) continue;  // minimised
     if (ImGui::IsKeyPressed(GLFW_KEY_ESCAPE, false)) shown.window().close();
     const std::vector<CameraStatus> all = cameras.status();
-    std::vector<PictureSize> sizes;
+    std::vector<ImageSize> sizes;
     for (const CameraStatus& camera : all) sizes.push_back(camera.size);
-    shown.lay(sizes, last.pictures);
+    shown.lay(sizes, last.images);
     for (std::size_t c = 0; c < all.size(); ++c) shown.drawLabel(c, labelOf(all[c]));
     shown.show();
   }

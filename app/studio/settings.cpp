@@ -33,7 +33,7 @@ struct Switch {
 };
 std::vector<Switch> switchesOf(StudioSettings& settings) {
   return {{"symmetry_x", settings.symmetry.x},       {"symmetry_y", settings.symmetry.y},
-          {"symmetry_z", settings.symmetry.z},       {"steady_hand", settings.steady},
+          {"symmetry_z", settings.symmetry.z},       {"steady_hand", settings.filtered},
           {"show_panels", settings.show_panels},     {"show_voxels", settings.show_voxels},
           {"show_cage", settings.show_cage},         {"show_points", settings.show_points},
           {"show_skeleton", settings.show_skeleton}, {"show_cameras", settings.show_cameras},
@@ -71,10 +71,10 @@ StudioSettings loadSettings() {
     settings.folder = table["folder"].value_or(std::string());
     for (const Switch& one : switchesOf(settings)) one.value = table[one.key].value_or(one.value);
   } catch (const toml::parse_error& error) {
-    warn(file.string() + ", line " + std::to_string(error.source().begin.line) + ": " +
+    printWarning(file.string() + ", line " + std::to_string(error.source().begin.line) + ": " +
          std::string(error.description()) + "; the studio starts with its defaults");
   } catch (const Error& error) {
-    warn(error.what());
+    printWarning(error.what());
   }
   return settings;
 }
@@ -91,7 +91,7 @@ void saveSettings(const StudioSettings& settings) {
     std::filesystem::create_directories(configFolder());
     writeWhole(settingsFile(), text.str());
   } catch (const std::exception& error) {
-    warn(std::string("the studio's settings are not remembered: ") + error.what());
+    printWarning(std::string("the studio's settings are not remembered: ") + error.what());
   }
 }
 

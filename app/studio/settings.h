@@ -13,7 +13,7 @@ struct StudioSettings {
   Tool tool = Tool::kPush;
   Symmetry symmetry;
   Clutch clutch = Clutch::kContact;
-  bool steady = true;
+  bool filtered = true;
   bool show_panels = true, show_voxels = false, show_cage = false, show_points = false, show_skeleton = false,
        show_cameras = false, show_graph = true;
   int clutch_key = 32;           ///< GLFW's number: the space bar; a foot pedal types a key

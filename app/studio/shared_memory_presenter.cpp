@@ -45,11 +45,11 @@ class XFaults {
   XErrorHandler before_;
 };
 
-/// A picture in memory that this process and the X server share, gone with the last of the two.
-class SharedPicture {
+/// A image in memory that this process and the X server share, gone with the last of the two.
+class SharedImage {
  public:
   /// What came of it: valid().
-  SharedPicture(Display* display, const XWindowAttributes& window, std::uint32_t width, std::uint32_t height)
+  SharedImage(Display* display, const XWindowAttributes& window, std::uint32_t width, std::uint32_t height)
       : display_(display) {
     image_ = XShmCreateImage(display, window.visual, static_cast<unsigned>(window.depth), ZPixmap, nullptr,
                              &segment_, width, height);
@@ -65,7 +65,7 @@ class SharedPicture {
     }
     shmctl(segment_.shmid, IPC_RMID, nullptr);  // it goes when nobody holds it any more, however we end
   }
-  ~SharedPicture() {
+  ~SharedImage() {
     if (attached_) {
       XShmDetach(display_, &segment_);
       XSync(display_, False);
@@ -75,8 +75,8 @@ class SharedPicture {
     image_->data = nullptr;  // not Xlib's to free
     XDestroyImage(image_);
   }
-  SharedPicture(const SharedPicture&) = delete;
-  SharedPicture& operator=(const SharedPicture&) = delete;
+  SharedImage(const SharedImage&) = delete;
+  SharedImage& operator=(const SharedImage&) = delete;
 
   bool valid() const { return attached_; }
   /// Whether its pixels are the words of VK_FORMAT_B8G8R8A8.
@@ -106,7 +106,7 @@ class SharedPicture {
 
 }  // namespace
 
-struct SharedScreen::Parts {
+struct SharedMemoryPresenter::Parts {
   explicit Parts(Display* display_, ::Window window_) : display(display_), window(window_) {
     XGetWindowAttributes(display, window, &attributes);
     context = XCreateGC(display, window, 0, nullptr);
@@ -117,7 +117,7 @@ struct SharedScreen::Parts {
   ::Window window;
   XWindowAttributes attributes{};
   GC context;
-  std::optional<SharedPicture> shared;
+  std::optional<SharedImage> shared;
   Image drawn;
   Buffer<std::uint32_t> pixels;
   VkImageView view = VK_NULL_HANDLE;
@@ -131,25 +131,25 @@ struct SharedScreen::Parts {
   }
 };
 
-std::unique_ptr<SharedScreen> SharedScreen::open(Gpu& gpu, GLFWwindow* window) {
+std::unique_ptr<SharedMemoryPresenter> SharedMemoryPresenter::open(Gpu& gpu, GLFWwindow* window) {
   Display* const display = &glfwGetX11Display ? glfwGetX11Display() : nullptr;
   if (!display || !XShmQueryExtension(display)) return nullptr;
   auto parts = std::make_unique<Parts>(display, glfwGetX11Window(window));
-  const SharedPicture trial(display, parts->attributes, 1, 1);
+  const SharedImage trial(display, parts->attributes, 1, 1);
   if (!trial.valid() || !trial.isBgra()) return nullptr;
-  return std::unique_ptr<SharedScreen>(new SharedScreen(gpu, std::move(parts)));
+  return std::unique_ptr<SharedMemoryPresenter>(new SharedMemoryPresenter(gpu, std::move(parts)));
 }
 
-SharedScreen::SharedScreen(Gpu& gpu, std::unique_ptr<Parts> parts) : Screen(gpu), parts_(std::move(parts)) {
+SharedMemoryPresenter::SharedMemoryPresenter(Gpu& gpu, std::unique_ptr<Parts> parts) : Presenter(gpu), parts_(std::move(parts)) {
   makeRenderPass();
 }
 
-SharedScreen::~SharedScreen() {
+SharedMemoryPresenter::~SharedMemoryPresenter() {
   gpu_.waitIdle();
   parts_->destroyView(gpu_.device());
 }
 
-void SharedScreen::resize(std::uint32_t width, std::uint32_t height) {
+void SharedMemoryPresenter::resize(std::uint32_t width, std::uint32_t height) {
   gpu_.waitIdle();
   parts_->destroyView(gpu_.device());
   extent_ = {width, height};
@@ -167,14 +167,14 @@ void SharedScreen::resize(std::uint32_t width, std::uint32_t height) {
   parts_->framebuffer = makeFramebuffer(parts_->view);
 }
 
-std::optional<Screen::Target> SharedScreen::acquire() {
+std::optional<Presenter::Target> SharedMemoryPresenter::acquire() {
   if (!parts_->shared) return std::nullopt;
   return Target{0, parts_->drawn.handle(), parts_->framebuffer};
 }
 
-void SharedScreen::submit(Recorder& recorder, const Target& target) {
+void SharedMemoryPresenter::submit(Recorder& recorder, const Target& target) {
   const RawBuffer& pixels = parts_->pixels.raw();
-  VkCommandBuffer commands = recorder.commandsFor("copy picture", {{pixels.address(), false, true}});
+  VkCommandBuffer commands = recorder.commandsFor("copy image", {{pixels.address(), false, true}});
   recordLayout(commands, target.image, VK_IMAGE_ASPECT_COLOR_BIT, shownLayout(), shownLayout());
   VkBufferImageCopy region{};
   region.bufferOffset = pixels.offset();
@@ -184,7 +184,7 @@ void SharedScreen::submit(Recorder& recorder, const Target& target) {
   recorder.submit();
 }
 
-bool SharedScreen::show(Recorder& recorder, const Target&) {
+bool SharedMemoryPresenter::show(Recorder& recorder, const Target&) {
   recorder.wait();
   parts_->shared->fill(parts_->pixels.host());
   parts_->shared->show(parts_->window, parts_->context);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Pictures of a software device, handed to the X server in memory that it shares (MIT-SHM).
+// Images of a software device, handed to the X server in memory that it shares (MIT-SHM).
 //
-// Where the server has no DRI3 (Xvfb, VNC), Mesa's swapchain for software devices sends every picture through
+// Where the server has no DRI3 (Xvfb, VNC), Mesa's swapchain for software devices sends every image through
 // the socket; receiving one of 1280 x 720 costs the server 17 ms of processor time, as much as tracking the
 // hand costs us.
 #pragma once
@@ -14,11 +14,11 @@ struct GLFWwindow;
 
 namespace airclay {
 
-class SharedScreen : public Screen {
+class SharedMemoryPresenter : public Presenter {
  public:
   /// Nothing where it cannot be: on Wayland, on another machine's display, or with colours in another order.
-  static std::unique_ptr<SharedScreen> open(Gpu& gpu, GLFWwindow* window);
-  ~SharedScreen() override;
+  static std::unique_ptr<SharedMemoryPresenter> open(Gpu& gpu, GLFWwindow* window);
+  ~SharedMemoryPresenter() override;
 
   const char* name() const override { return "shared memory"; }
   VkImageLayout shownLayout() const override { return VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL; }
@@ -31,7 +31,7 @@ class SharedScreen : public Screen {
 
  private:
   struct Parts;
-  SharedScreen(Gpu& gpu, std::unique_ptr<Parts> parts);
+  SharedMemoryPresenter(Gpu& gpu, std::unique_ptr<Parts> parts);
 
   std::unique_ptr<Parts> parts_;
 };

@@ -24,12 +24,12 @@ struct KeyGroup {
   std::vector<KeyBinding> bindings;
 };
 
-/// Calls what the keys pressed in this picture mean. \pre between Window::begin() and present()
+/// Calls what the keys pressed in this image mean. \pre between Window::begin() and present()
 void obeyKeys(const std::vector<KeyGroup>& groups);
 
 /// What a key is called on this keyboard: "Space", "F13", "Q".
 std::string keyName(int key);
-/// The key that went down in this picture, of those that name something; 0 when there is none.
+/// The key that went down in this image, of those that name something; 0 when there is none.
 int keyPressed();
 /// What a key does already, without Ctrl or Shift; none when it is free for the clutch.
 std::optional<std::string> meaningOf(const std::vector<KeyGroup>& groups, int key);

@@ -23,10 +23,10 @@ constexpr double kNoteSeconds = 4, kLogSeconds = 1;
 constexpr double kSettingsSeconds = 2;  // a program that is killed loses no more of them
 constexpr double kTurnRadS = 1.2;       // of the clay and the mouse's hand, while a key is held
 constexpr double kMovingSeconds = 0.5;  // after the last frame, key or mouse
-constexpr double kQuietPictureS = 0.2;  // between pictures when nothing happens
-constexpr double kMovingPictureS = 1.0 / 60;
-// While frames come in, they make the pictures: others would only hold them up.
-constexpr double kFlowingS = 0.15, kFlowingPictureS = 0.1;
+constexpr double kQuietFrameS = 0.2;  // between images when nothing happens
+constexpr double kMovingFrameS = 1.0 / 60;
+// While frames come in, they make the images: others would only hold them up.
+constexpr double kFlowingS = 0.15, kFlowingFrameS = 0.1;
 
 /// This process's resident memory, from Linux's own account.
 double residentMegabytes() {
@@ -36,7 +36,7 @@ double residentMegabytes() {
   return static_cast<double>(resident) * 4096 / 1e6;
 }
 
-const char* wordFor(HandTrust trust) {
+const char* wordFor(TrackingState trust) {
   constexpr const char* kWords[] = {"nobody", "tracking", "uncertain", "lost"};
   return kWords[static_cast<int>(trust)];
 }
@@ -56,7 +56,7 @@ class Studio {
         panels_(session_, settings_),
         view_(session.rig.workspace.edge_m),
         recorder_(gpu),
-        timed_pictures_(gpu, 0) {
+        timed_frames_(gpu, 0) {
     if (!options.log.empty()) log_.open(options.log);
     settings_.folder = settings_.folder.empty() ? std::filesystem::current_path() : settings_.folder;
     show_help_ = settings_.first_run;
@@ -76,20 +76,20 @@ class Studio {
   void run() {
     while (!window_.closing()) {
       if (session_.pipelineFailed()) break;
-      window_.poll(secondsToPicture(session_.snapshot()));
+      window_.poll(secondsToFrame(session_.snapshot()));
       const Snapshot snapshot = session_.snapshot();  // a new frame may have ended the wait
       const bool waits = framesFlow() || !window_.inUse();
-      if (waits && secondsToPicture(snapshot) > 0 && !window_.closing()) continue;
+      if (waits && secondsToFrame(snapshot) > 0 && !window_.closing()) continue;
       for (const std::filesystem::path& file : window_.takeDropped()) openDropped(file);
-      drawPicture(snapshot);
+      drawImage(snapshot);
       writeLog(snapshot);
       if (secondsBetween(settings_at_, Clock::now()) > kSettingsSeconds) rememberSettings();
       if (snapshot.ended && options_.close_at_end) window_.close();
     }
     rememberSettings();
-    for (const std::string& note : session_.takeNotes()) {
+    for (const std::string& note : session_.takeMessages()) {
       if (session_.pipelineFailed()) throw Error(note, Fault::kDevice);
-      warn(note);
+      printWarning(note);
     }
   }
 
@@ -105,35 +105,35 @@ class Studio {
     Clock::time_point since;
   };
 
-  /// A picture is drawn for every new frame and while something is being done, and now and then otherwise. A
+  /// A image is drawn for every new frame and while something is being done, and now and then otherwise. A
   /// new frame ends the wait.
-  double secondsToPicture(const Snapshot& snapshot) const {
+  double secondsToFrame(const Snapshot& snapshot) const {
     const bool new_frame = session_.hasRecording() && snapshot.serial != drawn_serial_;
     if (new_frame) return 0;
-    const double interval = framesFlow() ? kFlowingPictureS : moving() ? kMovingPictureS : kQuietPictureS;
-    return std::clamp(interval - secondsBetween(last_picture_, Clock::now()), 0.0, interval);
+    const double interval = framesFlow() ? kFlowingFrameS : moving() ? kMovingFrameS : kQuietFrameS;
+    return std::clamp(interval - secondsBetween(last_image_, Clock::now()), 0.0, interval);
   }
   bool framesFlow() const { return secondsBetween(last_frame_, Clock::now()) < kFlowingS; }
   bool moving() const { return secondsBetween(last_change_, Clock::now()) < kMovingSeconds; }
 
-  void drawPicture(const Snapshot& snapshot) {
+  void drawImage(const Snapshot& snapshot) {
     const Window::Begun begun = window_.begin(framesFlow());
     if (begun == Window::Begun::kNothing) {
-      session_.pictureSubmitted(snapshot.serial);
+      session_.renderSubmitted(snapshot.serial);
       std::this_thread::sleep_for(std::chrono::milliseconds(20));  // minimised
       return;
     }
     if (begun == Window::Begun::kInterface) drawInterface(snapshot);
-    last_picture_ = Clock::now();
+    last_image_ = Clock::now();
     session_.withClay([&](const Session::ClayOnDevice& clay) {
-      recorder_.begin(timed_pictures_.next());
+      recorder_.begin(timed_frames_.next());
       stage_.record(recorder_, clay, snapshot, settings_,
                     {view_.view(), window_.width(), window_.height(), moving()});
-      window_.draw(recorder_, stage_.picture(), panels_.insets());
+      window_.draw(recorder_, stage_.image(), panels_.insets());
     });
-    session_.pictureSubmitted(snapshot.serial);
+    session_.renderSubmitted(snapshot.serial);
     window_.show(recorder_);
-    renewStages(recorder_.stageMs(), picture_ms_);
+    renewStages(recorder_.stageMs(), render_ms_);
     std::optional<double> latency_ms;
     if (snapshot.serial != drawn_serial_ && snapshot.world_from_hand)
       latency_ms = 1000 * secondsBetween(snapshot.captured_at, Clock::now());
@@ -144,9 +144,9 @@ class Studio {
   }
 
   void drawInterface(const Snapshot& snapshot) {
-    takeInput(std::min(secondsBetween(last_picture_, Clock::now()), 0.1));
-    const PanelWishes wishes = panels_.draw(snapshot, stage_, meter_);
-    grant(wishes);
+    takeInput(std::min(secondsBetween(last_image_, Clock::now()), 0.1));
+    const PanelRequests requests = panels_.draw(snapshot, stage_, meter_);
+    grant(requests);
     chooser_.draw();
     if (show_help_) show_help_ = drawHelp(keys_);
     drawNotes();
@@ -207,7 +207,7 @@ class Studio {
     if (session_.isLive())
       keys_.push_back({"Cameras",
                        {key(GLFW_KEY_E, "E", "learn the empty workspace again: hand and arm away",
-                            [this] { session_.learnAgain(); })}});
+                            [this] { session_.relearnBackground(); })}});
     else if (session_.hasRecording())
       keys_.push_back(
           {"Recording",
@@ -233,7 +233,7 @@ class Studio {
     if (!chooser_.isOpen() && !panels_.asksForKey()) obeyKeys(keys_);
     if (!io.WantCaptureMouse) takeMouse(io);
     if (!io.WantTextInput && !chooser_.isOpen()) takeHeldKeys(io, step_s);
-    SessionSettings settings{settings_.tool, settings_.symmetry, settings_.clutch, false, settings_.steady};
+    SessionSettings settings{settings_.tool, settings_.symmetry, settings_.clutch, false, settings_.filtered};
     settings.clutch_down = !io.WantTextInput && ImGui::IsKeyDown(settings_.clutch_key);
     session_.set(settings);
     if (!session_.hasRecording()) session_.setMouseHand(mouse_hand_);
@@ -242,7 +242,7 @@ class Studio {
   void takeMouse(const ImGuiIO& io) {
     const Vec2 drag(io.MouseDelta.x, io.MouseDelta.y);
     const bool has_hand = !session_.hasRecording();
-    // in the first picture of a press the way there is not told from the drag
+    // in the first image of a press the way there is not told from the drag
     const auto dragged = [&](int button) { return io.MouseDownDuration[button] > 0; };
     if (dragged(1) || (!has_hand && dragged(0))) view_.orbit(drag);
     if (dragged(2)) view_.pan(drag, window_.height());
@@ -284,21 +284,21 @@ class Studio {
 
   // --- files ---
 
-  void grant(const PanelWishes& wishes) {
-    if (wishes.open) askOpen();
-    if (wishes.save_as) askSave();
-    if (wishes.export_surface || wishes.export_cage) askExport(wishes.export_surface);
-    if (wishes.import)
+  void grant(const PanelRequests& requests) {
+    if (requests.open) askOpen();
+    if (requests.save_as) askSave();
+    if (requests.export_surface || requests.export_cage) askExport(requests.export_surface);
+    if (requests.import)
       chooser_.open("Import a cage", settings_.folder, {".obj"}, false,
                     [this](const std::filesystem::path& file) { remember(file), session_.importCage(file); });
-    if (wishes.help) show_help_ = true;
-    if (wishes.record) recordOrStop();
-    if (wishes.clutch_key != 0) chooseClutchKey(wishes.clutch_key);
-    if (!wishes.new_clay.empty()) {
+    if (requests.help) show_help_ = true;
+    if (requests.record) recordOrStop();
+    if (requests.clutch_key != 0) chooseClutchKey(requests.clutch_key);
+    if (!requests.new_clay.empty()) {
       ClayState state;
-      state.cage = presetCage(wishes.new_clay);
+      state.cage = presetCage(requests.new_clay);
       for (Vec3& point : state.cage.points) point += session_.rig().workspace.center;
-      session_.replaceClay(state, "New " + wishes.new_clay);
+      session_.replaceClay(state, "New " + requests.new_clay);
     }
   }
 
@@ -348,7 +348,7 @@ class Studio {
   }
 
   void drawNotes() {
-    for (const std::string& words : session_.takeNotes()) notes_.push_back({words, Clock::now()});
+    for (const std::string& words : session_.takeMessages()) notes_.push_back({words, Clock::now()});
     while (!notes_.empty() && secondsBetween(notes_.front().since, Clock::now()) > kNoteSeconds)
       notes_.pop_front();
     if (notes_.empty()) return;
@@ -376,9 +376,9 @@ class Studio {
     const DocumentView document = session_.documentView();
     nlohmann::ordered_json stages;
     for (const auto& [name, ms] : snapshot.stage_ms) stages[name] = ms;
-    for (const auto& [name, ms] : picture_ms_) stages[name] = ms;
+    for (const auto& [name, ms] : render_ms_) stages[name] = ms;
     using json = nlohmann::ordered_json;
-    const json line = {{"picture_hz", meter_.pictureHz()},
+    const json line = {{"picture_hz", meter_.frameHz()},
                        {"tracking_hz", snapshot.rate_hz},
                        {"latency_ms", meter_.latencyMs()},
                        {"hand", wordFor(snapshot.trust)},
@@ -396,16 +396,16 @@ class Studio {
                        {"note", notes_.empty() ? "" : notes_.back().words},
                        {"recording", session_.recorderView().recording},
                        {"recorded_frames", session_.recorderView().frames},
-                       {"working", session_.workView().what},
+                       {"working", session_.taskStatus().what},
                        {"clutch_key", keyName(settings_.clutch_key)},
                        {"grip_barred", snapshot.grip_barred},
                        {"cameras_shown", panels_.insets().size()},
                        {"resident_mb", residentMegabytes()},
                        {"longest_submission_ms", gpu_.takeLongestSubmissionMs()},
                        {"decode_ms", snapshot.decode_ms},
-                       {"troubles", snapshot.troubles},
+                       {"troubles", snapshot.camera_problems},
                        {"skew_ms", snapshot.skew_s ? json(1000 * *snapshot.skew_s) : json()},
-                       {"steady_ms", snapshot.steady_ms ? json(*snapshot.steady_ms) : json()},
+                       {"steady_ms", snapshot.filter_lag_ms ? json(*snapshot.filter_lag_ms) : json()},
                        {"stage_ms", stages}};
     log_ << line.dump() << std::endl;
   }
@@ -419,8 +419,8 @@ class Studio {
   Panels panels_;
   ViewControl view_;
   Recorder recorder_;
-  TimingPlan timed_pictures_;
-  StageTimes picture_ms_;  ///< of the last pictures that were timed
+  TimingPlan timed_frames_;
+  StageTimes render_ms_;  ///< of the last images that were timed
   Meter meter_;
   FileChooser chooser_;
   std::vector<KeyGroup> keys_;
@@ -429,7 +429,7 @@ class Studio {
   std::ofstream log_;
   bool show_help_ = false, turning_clay_ = false, paused_ = false;
   std::uint64_t drawn_serial_ = 0;
-  Clock::time_point last_change_ = Clock::now(), last_picture_ = Clock::now(), last_frame_{}, last_log_{},
+  Clock::time_point last_change_ = Clock::now(), last_image_ = Clock::now(), last_frame_{}, last_log_{},
                     settings_at_{};
 };
 

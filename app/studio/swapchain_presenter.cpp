@@ -21,19 +21,19 @@ void checkSurface(Gpu& gpu, VkSurfaceKHR surface, VkFormat format) {
                                       [&](const VkSurfaceFormatKHR& f) { return f.format == format; });
   if (!has_format)
     throw Error("the device " + gpu.info().name +
-                    " cannot show pictures on this display; --headless, or another --device, would be right",
+                    " cannot show images on this display; --headless, or another --device, would be right",
                 Fault::kDevice);
 }
 
 }  // namespace
 
-Swapchain::Swapchain(Gpu& gpu, VkSurfaceKHR surface) : Screen(gpu), surface_(surface) {
+SwapchainPresenter::SwapchainPresenter(Gpu& gpu, VkSurfaceKHR surface) : Presenter(gpu), surface_(surface) {
   checkSurface(gpu, surface, kFormat);
   makeRenderPass();
   ready_ = makeSemaphore();
 }
 
-Swapchain::~Swapchain() {
+SwapchainPresenter::~SwapchainPresenter() {
   gpu_.waitIdle();
   destroyImages();
   vkDestroySwapchainKHR(gpu_.device(), swapchain_, nullptr);
@@ -41,14 +41,14 @@ Swapchain::~Swapchain() {
   vkDestroySurfaceKHR(gpu_.instance(), surface_, nullptr);
 }
 
-VkSemaphore Swapchain::makeSemaphore() {
+VkSemaphore SwapchainPresenter::makeSemaphore() {
   const VkSemaphoreCreateInfo info{VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
   VkSemaphore semaphore;
   check(vkCreateSemaphore(gpu_.device(), &info, nullptr, &semaphore), "make a semaphore");
   return semaphore;
 }
 
-void Swapchain::destroyImages() {
+void SwapchainPresenter::destroyImages() {
   for (const Shown& shown : images_) {
     vkDestroyFramebuffer(gpu_.device(), shown.framebuffer, nullptr);
     vkDestroyImageView(gpu_.device(), shown.view, nullptr);
@@ -57,7 +57,7 @@ void Swapchain::destroyImages() {
   images_.clear();
 }
 
-void Swapchain::resize(std::uint32_t width, std::uint32_t height) {
+void SwapchainPresenter::resize(std::uint32_t width, std::uint32_t height) {
   gpu_.waitIdle();
   destroyImages();
   VkSurfaceCapabilitiesKHR can;
@@ -99,7 +99,7 @@ void Swapchain::resize(std::uint32_t width, std::uint32_t height) {
   }
 }
 
-std::optional<Screen::Target> Swapchain::acquire() {
+std::optional<Presenter::Target> SwapchainPresenter::acquire() {
   if (images_.empty()) return std::nullopt;
   Target target;
   const VkResult result =
@@ -111,7 +111,7 @@ std::optional<Screen::Target> Swapchain::acquire() {
   return target;
 }
 
-void Swapchain::submit(Recorder& recorder, const Target& target) {
+void SwapchainPresenter::submit(Recorder& recorder, const Target& target) {
   VkSemaphoreSubmitInfo ready{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO};
   ready.semaphore = ready_;
   ready.stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
@@ -120,13 +120,13 @@ void Swapchain::submit(Recorder& recorder, const Target& target) {
   recorder.submit(&ready, &drawn);
 }
 
-bool Swapchain::show(Recorder& recorder, const Target& target) {
+bool SwapchainPresenter::show(Recorder& recorder, const Target& target) {
   const bool fits = present(target.index);
   recorder.wait();
   return fits;
 }
 
-bool Swapchain::present(std::uint32_t index) {
+bool SwapchainPresenter::present(std::uint32_t index) {
   VkPresentInfoKHR info{VK_STRUCTURE_TYPE_PRESENT_INFO_KHR};
   info.waitSemaphoreCount = 1;
   info.pWaitSemaphores = &images_[index].drawn;
@@ -136,7 +136,7 @@ bool Swapchain::present(std::uint32_t index) {
   const std::lock_guard lock(gpu_.queueMutex());
   const VkResult result = vkQueuePresentKHR(gpu_.queue(), &info);
   if (result == VK_ERROR_OUT_OF_DATE_KHR || result == VK_SUBOPTIMAL_KHR) return false;
-  check(result, "show the picture");
+  check(result, "show the image");
   return true;
 }
 

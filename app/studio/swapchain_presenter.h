@@ -9,11 +9,11 @@
 namespace airclay {
 
 /// Owns the surface's images, their framebuffers, and what tells when each may be drawn and shown.
-class Swapchain : public Screen {
+class SwapchainPresenter : public Presenter {
  public:
-  /// Takes the surface over. \throw Error (Fault::kDevice) when the device cannot show pictures on it.
-  Swapchain(Gpu& gpu, VkSurfaceKHR surface);
-  ~Swapchain() override;
+  /// Takes the surface over. \throw Error (Fault::kDevice) when the device cannot show images on it.
+  SwapchainPresenter(Gpu& gpu, VkSurfaceKHR surface);
+  ~SwapchainPresenter() override;
 
   const char* name() const override { return "swapchain"; }
   VkImageLayout shownLayout() const override { return VK_IMAGE_LAYOUT_PRESENT_SRC_KHR; }

@@ -21,7 +21,7 @@ ImVec4 screen(int red, int green, int blue, double opacity = 1) {
 
 }  // namespace
 
-void dressUp(double scale) {
+void applyTheme(double scale) {
   ImGuiIO& io = ImGui::GetIO();
   ImFontConfig config;
   config.FontDataOwnedByAtlas = false;

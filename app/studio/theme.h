@@ -11,9 +11,9 @@ struct ImFont;
 namespace airclay {
 
 /// Sets Dear ImGui's style and letters. `scale`: pixels a point.
-void dressUp(double scale);
+void applyTheme(double scale);
 
-/// Larger letters, for titles. \pre dressUp()
+/// Larger letters, for titles. \pre applyTheme()
 ImFont* titleFont();
 
 /// Colours as Dear ImGui packs them.
@@ -24,7 +24,7 @@ inline constexpr std::uint32_t kClay = 0xFF3F6BB4;   ///< terracotta: what is ch
 inline constexpr std::uint32_t kGood = 0xFF5A9A4A;   ///< tracking
 inline constexpr std::uint32_t kDoubt = 0xFF2D9BE0;  ///< uncertain
 inline constexpr std::uint32_t kBad = 0xFF3A3AD0;    ///< lost
-/// What lies behind cameras' pictures, linear light.
+/// What lies behind cameras' images, linear light.
 inline vec4 paper() {
   return vec4(0.72f, 0.69f, 0.65f, 1);
 }

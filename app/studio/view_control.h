@@ -25,7 +25,7 @@ class ViewControl {
   /// Centres on a ball and shows all of it.
   void fit(const Vec3& center, double radius_m);
 
-  /// Metres at the target that a pixel covers, and the picture's axes in the workspace.
+  /// Metres at the target that a pixel covers, and the image's axes in the workspace.
   double metresAPixel(double height_px) const;
   Vec3 right() const { return axis(0); }
   Vec3 up() const { return -axis(1); }

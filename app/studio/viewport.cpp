@@ -16,16 +16,16 @@ constexpr double kRingAway = 1.06;  // of the farthest of the clay: rings of sym
 constexpr double kFarthestGap = 0.15;
 /// What a software device can draw at the cameras' pace: a triangle costs it as much as a hundred pixels.
 constexpr DisplayDetail kMovingDetail = {.finer_points = 3'000, .coarser_points = 30'000};
-/// More cannot be told apart, and would hold up the first picture of a movement.
+/// More cannot be told apart, and would hold up the first image of a movement.
 constexpr DisplayDetail kRestingDetail = {.coarser_points = 150'000};
 constexpr int kMovingTaps = 8, kMovingShadowMap = 320, kMovingGround = 40;
 
-/// All that a picture depends on.
+/// All that a image depends on.
 std::vector<double> keyOf(const Session::ClayOnDevice& clay, const Snapshot& snapshot,
-                          const StudioSettings& settings, const StagePicture& wanted) {
+                          const StudioSettings& settings, const ViewportFrame& wanted) {
   std::vector<double> key = {
       double(wanted.width),           double(wanted.height),         double(wanted.moving),
-      double(clay.form_serial),       double(snapshot.clay_serial),  double(snapshot.trust),
+      double(clay.structure_serial),       double(snapshot.clay_serial),  double(snapshot.trust),
       double(settings.show_voxels),   double(settings.show_cage),    double(settings.show_points),
       double(settings.show_skeleton), double(settings.show_cameras), wanted.view.vertical_fov_rad,
       double(settings.symmetry.x),    double(settings.symmetry.y),   double(settings.symmetry.z)};
@@ -97,12 +97,12 @@ SurfaceBuffers Stage::recordSurface(Recorder& recorder, const Session::ClayOnDev
                                     std::uint64_t clay_serial, bool moving) {
   const bool coarse = gpu_.isCpu() && moving;
   DrawnClay& drawn = clays_[coarse];
-  if (drawn.form_serial != clay.form_serial) {
-    drawn.surface = std::make_unique<DisplaySurface>(gpu_, clay.form.cage, clay.form.rule, clay.form.levels,
+  if (drawn.structure_serial != clay.structure_serial) {
+    drawn.surface = std::make_unique<DisplaySurface>(gpu_, clay.structure.cage, clay.structure.rule, clay.structure.levels,
                                                      coarse         ? kMovingDetail
                                                      : gpu_.isCpu() ? kRestingDetail
                                                                     : DisplayDetail{});
-    drawn.form_serial = clay.form_serial;
+    drawn.structure_serial = clay.structure_serial;
     drawn.clay_serial = 0;
   }
   if (drawn.clay_serial != clay_serial) drawn.surface->record(recorder, clay.clay.controlPoints());
@@ -111,7 +111,7 @@ SurfaceBuffers Stage::recordSurface(Recorder& recorder, const Session::ClayOnDev
 }
 
 void Stage::record(Recorder& recorder, const Session::ClayOnDevice& clay, const Snapshot& snapshot,
-                   const StudioSettings& settings, const StagePicture& wanted) {
+                   const StudioSettings& settings, const ViewportFrame& wanted) {
   std::optional<Pose> workspace_from_hand;
   if (snapshot.world_from_hand)
     workspace_from_hand = workspaceFromWorld(session_.rig().workspace) * *snapshot.world_from_hand;
@@ -122,7 +122,7 @@ void Stage::record(Recorder& recorder, const Session::ClayOnDevice& clay, const 
   if (&renderer == drawn_ && key == drawn_key_) return;
   drawn_ = &renderer;
   drawn_key_ = std::move(key);
-  recorder.stage("picture: surface");
+  recorder.stage("image: surface");
   const SurfaceBuffers surface = recordSurface(recorder, clay, snapshot.clay_serial, wanted.moving);
   Scene scene = sceneOf(clay, snapshot, settings, workspace_from_hand);
   scene.meshes.push_back({.surface = surface, .workspace_from_mesh = snapshot.workspace_from_clay});
@@ -137,7 +137,7 @@ Scene Stage::sceneOf(const Session::ClayOnDevice& clay, const Snapshot& snapshot
   scene.ground_z_m = ground_z_m_;
   if (workspace_from_hand) {
     scene.hand = hand_.at(*workspace_from_hand);
-    if (snapshot.trust != HandTrust::kTracking) scene.hand->opacity *= 0.5;
+    if (snapshot.trust != TrackingState::kTracking) scene.hand->opacity *= 0.5;
   }
   if (settings.show_voxels && session_.hasRecording()) scene.voxels = &session_.carver();
   if (settings.show_cameras) {
@@ -152,9 +152,9 @@ Scene Stage::sceneOf(const Session::ClayOnDevice& clay, const Snapshot& snapshot
       scene.strokes.push_back(std::move(ring));
     }
   if (settings.show_cage) {
-    if (cage_form_serial_ != clay.form_serial) {
-      cage_edges_ = Buffer<std::uint32_t>(gpu_, edgeEnds(clay.form.cage.faces));
-      cage_form_serial_ = clay.form_serial;
+    if (cage_structure_serial_ != clay.structure_serial) {
+      cage_edges_ = Buffer<std::uint32_t>(gpu_, edgeEnds(clay.structure.cage.faces));
+      cage_structure_serial_ = clay.structure_serial;
     }
     SceneStrokes cage;
     cage.points = &clay.clay.controlPoints();

@@ -55,8 +55,8 @@ VkDescriptorPool makeDescriptorPool(Gpu& gpu) {
   return pool;
 }
 
-/// What the keyboard did, until pictures have seen it. Dear ImGui 1.86 looks once a picture which keys are
-/// down: one that went down and up between two pictures it would never see.
+/// What the keyboard did, until images have seen it. Dear ImGui 1.86 looks once a image which keys are
+/// down: one that went down and up between two images it would never see.
 class KeyEvents {
  public:
   void add(int key, int scancode, int action, int modifiers) {
@@ -64,7 +64,7 @@ class KeyEvents {
   }
   bool waiting() const { return !waiting_.empty(); }
 
-  /// Hands on what one picture can show: of every key the next change, and none from before and after a
+  /// Hands on what one image can show: of every key the next change, and none from before and after a
   /// change of Ctrl, Shift, Alt or Super.
   void handOn(GLFWwindow* window) {
     std::vector<Event> later;
@@ -94,13 +94,13 @@ void transition(VkCommandBuffer commands, VkImage image, VkImageLayout from, VkI
   recordLayout(commands, image, VK_IMAGE_ASPECT_COLOR_BIT, from, to);
 }
 
-/// Where the window has just grown, the picture is that of the size before.
-void fillWith(VkCommandBuffer commands, Image& picture, VkImage image, VkExtent2D extent) {
-  picture.transition(commands, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, true);
+/// Where the window has just grown, the image is that of the size before.
+void fillWith(VkCommandBuffer commands, Image& frame, VkImage image, VkExtent2D extent) {
+  frame.transition(commands, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, true);
   VkImageCopy region{};
   region.srcSubresource = region.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
-  region.extent = {std::min(picture.width(), extent.width), std::min(picture.height(), extent.height), 1};
-  vkCmdCopyImage(commands, picture.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, image,
+  region.extent = {std::min(frame.width(), extent.width), std::min(frame.height(), extent.height), 1};
+  vkCmdCopyImage(commands, frame.handle(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, image,
                  VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
 }
 
@@ -181,18 +181,18 @@ struct Window::Parts {
   Gpu& gpu;
   Glfw glfw;
   GLFWwindow* window = nullptr;
-  std::unique_ptr<Screen> screen;
+  std::unique_ptr<Presenter> screen;
   VkDescriptorPool descriptors = VK_NULL_HANDLE;
   ImGuiContext* context = nullptr;
   bool toolkit_on_window = false, toolkit_on_device = false;
-  std::optional<Screen::Target> target;
+  std::optional<Presenter::Target> target;
   bool changed = true;  ///< the window's size
   std::vector<std::filesystem::path> dropped;
   KeyEvents keys;
   double scale = 1;
-  Image kept;  ///< the interface as it was drawn last; its corners show that picture
+  Image kept;  ///< the interface as it was drawn last; its corners show that image
   std::vector<VkRect2D> kept_parts;
-  bool draws_interface = true;  ///< in this picture
+  bool draws_interface = true;  ///< in this image
   bool used = true;             ///< mouse or keyboard, since the interface was drawn last
   int held = 0;                 ///< keys and buttons that are down
   std::chrono::steady_clock::time_point interface_at{};
@@ -222,11 +222,11 @@ struct Window::Parts {
     float horizontal = 1, vertical = 1;
     glfwGetWindowContentScale(window, &horizontal, &vertical);
     scale = std::clamp(double(horizontal), 1.0, 4.0);
-    if (gpu.isCpu()) screen = SharedScreen::open(gpu, window);
+    if (gpu.isCpu()) screen = SharedMemoryPresenter::open(gpu, window);
     if (!screen) {
       VkSurfaceKHR surface;
       check(glfwCreateWindowSurface(gpu.instance(), window, nullptr, &surface), "open the window for Vulkan");
-      screen = std::make_unique<Swapchain>(gpu, surface);
+      screen = std::make_unique<SwapchainPresenter>(gpu, surface);
     }
     fit();
     startToolkit();
@@ -262,7 +262,7 @@ struct Window::Parts {
     watchInput();
     context = ImGui::CreateContext();
     ImGui::GetIO().IniFilename = nullptr;  // what is remembered, the studio's settings remember
-    dressUp(scale);
+    applyTheme(scale);
     toolkit_on_window = ImGui_ImplGlfw_InitForVulkan(window, true);
     glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int scancode, int action, int modifiers) {
       of(w).use(action);
@@ -342,10 +342,10 @@ Window::Begun Window::begin(bool interface_may_stay) {
   if (!parts_->target) {
     parts_->fit();
     parts_->target = parts_->screen->acquire();
-    if (!parts_->target) return Begun::kNothing;  // it changes again: the next picture
+    if (!parts_->target) return Begun::kNothing;  // it changes again: the next image
   }
   parts_->draws_interface = !interface_may_stay || !parts_->interfaceStays();
-  if (!parts_->draws_interface) return Begun::kPicture;
+  if (!parts_->draws_interface) return Begun::kImage;
   parts_->used = false;
   parts_->interface_at = std::chrono::steady_clock::now();
   parts_->keys.handOn(parts_->window);
@@ -393,14 +393,14 @@ void Window::Parts::layInterface(VkCommandBuffer commands) {
   transition(commands, target->image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, screen->shownLayout());
 }
 
-void Window::draw(Recorder& recorder, Image& picture, std::span<const Inset> insets) {
-  const Screen::Target target = *parts_->target;
+void Window::draw(Recorder& recorder, Image& frame, std::span<const Inset> insets) {
+  const Presenter::Target target = *parts_->target;
   std::vector<Access> accesses;
   for (const Inset& inset : insets) accesses.push_back({inset.pixels->raw().address(), true, false});
-  recorder.stage("picture: window");
+  recorder.stage("image: window");
   VkCommandBuffer commands = recorder.commandsFor("window", accesses);
   transition(commands, target.image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-  fillWith(commands, picture, target.image, parts_->screen->extent());
+  fillWith(commands, frame, target.image, parts_->screen->extent());
   if (parts_->draws_interface) {
     ImGui::Render();
     parts_->drawInterface(commands, insets);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// A window on the display (GLFW) that shows the engine's pictures, with Dear ImGui over them.
+// A window on the display (GLFW) that shows the engine's images, with Dear ImGui over them.
 //
-// The picture is drawn offscreen by engine/render/renderer.h and copied into the window's image (screen.h);
+// The image is drawn offscreen by engine/render/renderer.h and copied into the window's image (screen.h);
 // Dear ImGui 1.86 draws over it in the one VkRenderPass that there is. On a software device that costs as
-// much as tracking a quarter of a frame, so between pictures that follow each other quickly the interface is
+// much as tracking a quarter of a frame, so between images that follow each other quickly the interface is
 // kept, unless it is in use.
 #pragma once
 
@@ -17,7 +17,7 @@
 
 namespace airclay {
 
-/// Small pictures that lie on the window's picture, under the interface: B G R A bytes, rows from the top.
+/// Small images that lie on the window's image, under the interface: B G R A bytes, rows from the top.
 struct Inset {
   const Buffer<std::uint32_t>* pixels = nullptr;
   std::size_t first = 0;      ///< of `pixels`
@@ -51,7 +51,7 @@ class Window {
   /// Files dropped on the window since the last call.
   std::vector<std::filesystem::path> takeDropped();
 
-  const char* screenName() const;  ///< how pictures come to the display
+  const char* screenName() const;  ///< how images come to the display
   int width() const;               ///< pixels; 0 while minimised
   int height() const;              ///< pixels
   /// In screen units, to be remembered.
@@ -59,15 +59,15 @@ class Window {
 
   enum class Begun {
     kNothing,    ///< there is nothing to draw on
-    kPicture,    ///< the interface stays as it is
-    kInterface,  ///< a picture with its interface: ImGui calls may follow
+    kImage,    ///< the interface stays as it is
+    kInterface,  ///< a image with its interface: ImGui calls may follow
   };
-  /// Begins a picture. `interface_may_stay`: one follows the other quickly, and it need not be drawn in each.
+  /// Begins a image. `interface_may_stay`: one follows the other quickly, and it need not be drawn in each.
   Begun begin(bool interface_may_stay);
-  /// Ends it: `picture` (ImageKind::kScreen) fills the window, `insets` lie on it, the interface over all.
+  /// Ends it: `image` (ImageKind::kScreen) fills the window, `insets` lie on it, the interface over all.
   /// Submits what `recorder` has, and returns without waiting for it. \pre begin() gave something; the
-  /// recorder's commands draw `picture`
-  void draw(Recorder& recorder, Image& picture, std::span<const Inset> insets);
+  /// recorder's commands draw `image`
+  void draw(Recorder& recorder, Image& frame, std::span<const Inset> insets);
   /// Shows what was drawn, and waits for the device. \pre draw() with this recorder
   void show(Recorder& recorder);
 

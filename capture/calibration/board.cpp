@@ -79,7 +79,7 @@ std::string inMillimetres(double length_m) {
   return out.str();
 }
 
-std::string inWords(const Board& board) {
+std::string describe(const Board& board) {
   std::string words = std::to_string(board.squares_x) + " x " + std::to_string(board.squares_y) +
                       " squares of " + inMillimetres(board.square_m) + " mm";
   if (!board.chessboard)

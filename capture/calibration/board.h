@@ -36,11 +36,11 @@ struct Board {
   Vec3 corner(int id) const { return square_m * Vec3(id % cornersX() + 1, id / cornersX() + 1, 0); }
 
   /// Looks the same when turned by half a turn: a plain chessboard whose numbers of squares are both even or
-  /// both odd. In each picture its corners are counted so that its rows run to the right.
+  /// both odd. In each image its corners are counted so that its rows run to the right.
   bool isAmbiguous() const { return chessboard && (squares_x + squares_y) % 2 == 0; }
 };
 
-/// The inner corners of a board that one picture shows, each where it is in the raw, distorted picture: pixel
+/// The inner corners of a board that one image shows, each where it is in the raw, distorted image: pixel
 /// centres at whole numbers, unbiased to a few hundredths of a pixel.
 struct BoardView {
   std::vector<int> ids;      ///< ascending
@@ -57,7 +57,7 @@ inline constexpr int kMaxSquares = 40;
 void checkBoard(const Board& board);
 
 /// "5 x 3 squares of 54 mm, markers of 40 mm, 4X4_50".
-std::string inWords(const Board& board);
+std::string describe(const Board& board);
 /// A length as it is said to people, to hundredths of a millimetre: "54", "53.85".
 std::string inMillimetres(double length_m);
 

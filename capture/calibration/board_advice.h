@@ -8,20 +8,20 @@
 
 namespace airclay {
 
-/// How large things look to a camera: at distance_m before it, facing it, in the middle of its picture.
+/// How large things look to a camera: at distance_m before it, facing it, in the middle of its image.
 struct BoardSight {
   double focal_px = 0;
   double distance_m = 0;
 };
 
-/// The focal length of a picture `width` pixels wide with a horizontal field of view, in pixels.
+/// The focal length of a image `width` pixels wide with a horizontal field of view, in pixels.
 double focalOf(int width, double fov_degrees);
 
 /// How many pixels a marker's cell has, from edge to edge; of a chessboard, which has none, a square.
 double cellPixels(const Board& board, const BoardSight& sight);
 
 /// What cellPixels() must be at least: 3 for a cell (at 2, on boards held aslant, one marker of four is no
-/// longer read in drawn pictures, and real ones are worse); 10 for a square.
+/// longer read in drawn images, and real ones are worse); 10 for a square.
 double leastCellPixels(const Board& board);
 
 struct BoardProposal {

@@ -12,9 +12,9 @@
 namespace airclay {
 namespace {
 
-// What a board may move by between two cameras' pictures of it, pixels: that of a corner's own error.
+// What a board may move by between two cameras' images of it, pixels: that of a corner's own error.
 constexpr double kStill_px = 0.3;
-// A board is elsewhere when its corners are, on average, by this share of the picture's width.
+// A board is elsewhere when its corners are, on average, by this share of the image's width.
 constexpr double kElsewhere = 0.04;
 // A square's rows and columns look this much unlike in length, or askew by so many radians: 25 to 30 degrees.
 constexpr double kTilted = 0.12;
@@ -79,14 +79,14 @@ std::string CollectedCamera::fault() const {
 }
 
 double BoardCollector::shareOf(const CollectedCamera& camera) const {
-  const WantedViews& wanted = options_.wanted;
+  const RequiredViews& wanted = options_.wanted;
   return (reached(camera.views, wanted.views) + reached(camera.shared_views, wanted.shared) +
           reached(camera.coverage.share(), wanted.coverage) + reached(camera.tilted_views, wanted.tilted)) /
          4;
 }
 
 BoardCollector::BoardCollector(const Board& board,
-                               const std::vector<std::pair<std::string, PictureSize>>& cameras,
+                               const std::vector<std::pair<std::string, ImageSize>>& cameras,
                                const Options& options)
     : detector_(board), options_(options), before_(cameras.size()) {
   for (const auto& [name, size] : cameras) {
@@ -101,12 +101,12 @@ bool BoardCollector::add(const LiveSet& set) {
     before_[c] = std::exchange(cameras_[c].seen, std::nullopt);
   const auto look = [&](std::size_t first) {
     for (std::size_t c = first; c < cameras_.size(); c += static_cast<std::size_t>(options_.threads)) {
-      const LivePicture& picture = set.pictures[c];
+      const LiveImage& image = set.images[c];
       CollectedCamera& camera = cameras_[c];
-      if (picture.bgr.empty() || picture.size != camera.size) continue;
-      camera.seen = detector_.find(picture.size, PixelForm::kBgr8, picture.bgr);
+      if (image.bgr.empty() || image.size != camera.size) continue;
+      camera.seen = detector_.find(image.size, PixelFormat::kBgr8, image.bgr);
       if (camera.seen)
-        if (const auto light = boardLight(board(), *camera.seen, picture.size, picture.bgr))
+        if (const auto light = boardExposure(board(), *camera.seen, image.size, image.bgr))
           camera.light = light;
     }
   };

@@ -20,9 +20,9 @@ namespace airclay {
 /// How far a camera is.
 struct CollectedCamera {
   std::string name;
-  PictureSize size;
+  ImageSize size;
   std::optional<BoardView> seen;    ///< in the last set
-  std::optional<BoardLight> light;  ///< of the last view
+  std::optional<BoardExposure> light;  ///< of the last view
   int views = 0;                    ///< kept
   int shared_views = 0;             ///< of them, those of boards that another camera saw at the same time
   int tilted_views = 0;             ///< of them, those in which the board was turned away by some 25 degrees
@@ -34,12 +34,12 @@ struct CollectedCamera {
 };
 
 /// What is wanted of a camera.
-struct WantedViews {
+struct RequiredViews {
   int views = kFewViews, shared = kFewShared, tilted = 6;
   double coverage = kPoorCoverage;
 
   /// Where the lenses are known, and only the cameras' places are sought.
-  static WantedViews forPlaces() { return {.views = 8, .shared = 8, .tilted = 2, .coverage = 0.1}; }
+  static RequiredViews forPlaces() { return {.views = 8, .shared = 8, .tilted = 2, .coverage = 0.1}; }
 };
 
 class BoardCollector {
@@ -48,16 +48,16 @@ class BoardCollector {
     /// Where the cameras' times are those of arrival, they may be out of step by so much, unseen.
     double unseen_skew_s = 0.002;
     int threads = 2;
-    WantedViews wanted = {};
+    RequiredViews wanted = {};
   };
 
   /// Cameras by name and size. \throw Error as checkBoard()
-  BoardCollector(const Board& board, const std::vector<std::pair<std::string, PictureSize>>& cameras)
+  BoardCollector(const Board& board, const std::vector<std::pair<std::string, ImageSize>>& cameras)
       : BoardCollector(board, cameras, Options{}) {}
-  BoardCollector(const Board& board, const std::vector<std::pair<std::string, PictureSize>>& cameras,
+  BoardCollector(const Board& board, const std::vector<std::pair<std::string, ImageSize>>& cameras,
                  const Options& options);
 
-  /// Looks for the board in a set, a picture each in the cameras' order, and keeps what is worth it. Pictures
+  /// Looks for the board in a set, a image each in the cameras' order, and keeps what is worth it. Images
   /// that are missing or of another size are passed over. \return whether it was kept
   bool add(const LiveSet& set);
   /// The last set shows the board where the world is to be. \return its number for CalibrationOptions; none

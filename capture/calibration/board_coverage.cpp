@@ -7,7 +7,7 @@
 
 namespace airclay {
 
-BoardCoverage::BoardCoverage(PictureSize size)
+BoardCoverage::BoardCoverage(ImageSize size)
     : cell_px_(static_cast<double>(size.width) / kColumns),
       rows_(static_cast<int>(std::ceil(size.height / cell_px_))),
       cells_(static_cast<std::size_t>(rows_ * kColumns), 0) {}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where in a camera's picture a board has been seen.
+// Where in a camera's image a board has been seen.
 #pragma once
 
 #include <string>
@@ -10,13 +10,13 @@
 
 namespace airclay {
 
-/// The cells of a picture, an eighth of its width across and square, in which a corner was seen.
+/// The cells of a image, an eighth of its width across and square, in which a corner was seen.
 class BoardCoverage {
  public:
   static constexpr int kColumns = 8;
 
-  /// \pre size is that of a picture
-  explicit BoardCoverage(PictureSize size);
+  /// \pre size is that of a image
+  explicit BoardCoverage(ImageSize size);
 
   void add(const Vec2& pixel);
   int rows() const { return rows_; }
@@ -25,7 +25,7 @@ class BoardCoverage {
     return cells_[static_cast<std::size_t>(row * kColumns + column)];
   }
   double share() const;
-  /// The sides of the picture, two cells deep, of which less than a third is covered: "left, top".
+  /// The sides of the image, two cells deep, of which less than a third is covered: "left, top".
   std::string emptySides() const;
 
  private:

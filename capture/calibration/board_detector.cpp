@@ -26,14 +26,14 @@ namespace {
 // two markers away.
 constexpr double kAgreement = 0.4;
 
-// Of the markers that must be in the picture, as corners beside them are, this share must have been read. Two
+// Of the markers that must be in the image, as corners beside them are, this share must have been read. Two
 // markers of a mirrored board can be read as two of this one, and agree.
 constexpr double kLeastRead = 0.35;
 
 /// From squares of the board to pixels.
-class PlaneToPicture {
+class PlaneToImage {
  public:
-  explicit PlaneToPicture(const cv::Matx33d& matrix) {
+  explicit PlaneToImage(const cv::Matx33d& matrix) {
     for (int r = 0; r < 3; ++r)
       for (int c = 0; c < 3; ++c) matrix_(r, c) = matrix(r, c);
   }
@@ -53,7 +53,7 @@ struct SeenMarker {
   Vec2 center;  ///< squares
   Vec2 pixel;   ///< of its centre
   std::vector<cv::Point2f> board_corners, pixel_corners;
-  PlaneToPicture plane;
+  PlaneToImage plane;
 };
 
 /// Of a set of markers that agree with each other, by chains of neighbours: its number for each.
@@ -74,14 +74,14 @@ std::vector<int> groupsOf(const std::vector<SeenMarker>& markers) {
   return group;
 }
 
-std::optional<PlaneToPicture> planeThrough(const std::vector<cv::Point2f>& from,
+std::optional<PlaneToImage> planeThrough(const std::vector<cv::Point2f>& from,
                                            const std::vector<cv::Point2f>& to) {
   if (from.size() < 4) return std::nullopt;
   const cv::Mat matrix = cv::findHomography(from, to);
-  return matrix.empty() ? std::nullopt : std::optional(PlaneToPicture(cv::Matx33d(matrix)));
+  return matrix.empty() ? std::nullopt : std::optional(PlaneToImage(cv::Matx33d(matrix)));
 }
 
-std::optional<PlaneToPicture> planeThrough(const std::vector<SeenMarker>& markers) {
+std::optional<PlaneToImage> planeThrough(const std::vector<SeenMarker>& markers) {
   std::vector<cv::Point2f> from, to;
   for (const SeenMarker& marker : markers) {
     from.insert(from.end(), marker.board_corners.begin(), marker.board_corners.end());
@@ -102,7 +102,7 @@ std::vector<SeenMarker> thoseOfOneBoard(const std::vector<SeenMarker>& markers) 
   for (std::size_t i = 0; i < markers.size(); ++i)
     if (groups[i] == largest) kept.push_back(markers[i]);
   if (kept.empty() || 2 * kept.size() < markers.size()) return {};
-  const std::optional<PlaneToPicture> plane = planeThrough(kept);
+  const std::optional<PlaneToImage> plane = planeThrough(kept);
   for (std::size_t i = 0; i < markers.size(); ++i) {
     const SeenMarker& marker = markers[i];
     if (groups[i] == largest || !plane) continue;
@@ -136,7 +136,7 @@ struct BoardDetector::Parts {
     if (board.chessboard) return;
     dictionary = cv::aruco::getPredefinedDictionary(arucoDictionary(board.dictionary)->opencv_number);
     parameters = cv::aruco::DetectorParameters::create();
-    // Chosen on drawn pictures of boards with cells of 2 to 5 pixels: together they find up to 1.8 times as
+    // Chosen on drawn images of boards with cells of 2 to 5 pixels: together they find up to 1.8 times as
     // many markers as OpenCV's own numbers. What is read wrongly now and then does not agree with the rest.
     parameters->polygonalApproxAccuracyRate = 0.05;
     parameters->perspectiveRemovePixelPerCell = 8;
@@ -155,9 +155,9 @@ struct BoardDetector::Parts {
   std::optional<BoardView> findCharuco(const cv::Mat& grey) const;
   std::optional<SaddleGuess> guessFrom(const std::vector<const SeenMarker*>& markers, int id) const;
 
-  void findBesideMarkers(const GreyPicture& picture, const std::vector<SeenMarker>& found,
+  void findBesideMarkers(const GreyImage& image, const std::vector<SeenMarker>& found,
                          Corners& corners) const;
-  void findBesideCorners(const GreyPicture& picture, Corners& corners) const;
+  void findBesideCorners(const GreyImage& image, Corners& corners) const;
 
   /// Markers of whose squares two corners or more are known.
   int markersBeside(const Corners& corners) const;
@@ -185,7 +185,7 @@ std::vector<SeenMarker> BoardDetector::Parts::findMarkers(const cv::Mat& grey) c
     const float s = static_cast<float>(side);
     const std::vector<cv::Point2f> on_board{at, at + cv::Point2f(s, 0), at + cv::Point2f(s, s),
                                             at + cv::Point2f(0, s)};
-    const PlaneToPicture plane(cv::Matx33d(cv::getPerspectiveTransform(on_board, corners[i])));
+    const PlaneToImage plane(cv::Matx33d(cv::getPerspectiveTransform(on_board, corners[i])));
     const Vec2 center = low + Vec2::Constant(side / 2);
     markers.push_back({ids[i], center, plane.at(center), on_board, corners[i], plane});
   }
@@ -212,25 +212,25 @@ std::optional<SaddleGuess> BoardDetector::Parts::guessFrom(const std::vector<con
   return guess;
 }
 
-void BoardDetector::Parts::findBesideMarkers(const GreyPicture& picture, const std::vector<SeenMarker>& found,
+void BoardDetector::Parts::findBesideMarkers(const GreyImage& image, const std::vector<SeenMarker>& found,
                                              Corners& corners) const {
   std::vector<const SeenMarker*> markers(static_cast<std::size_t>(pattern.markerCount()));
   for (const SeenMarker& marker : found) markers[static_cast<std::size_t>(marker.id)] = &marker;
   for (int id = 0; id < board().cornerCount(); ++id)
     if (const std::optional<SaddleGuess> guess = guessFrom(markers, id))
-      corners[static_cast<std::size_t>(id)] = findCorner(picture, *guess);
+      corners[static_cast<std::size_t>(id)] = findCorner(image, *guess);
 }
 
 /// Corners whose markers could not be read, next to those that are known: where the plane through the known
 /// ones says, moved as their neighbour is off it.
-void BoardDetector::Parts::findBesideCorners(const GreyPicture& picture, Corners& corners) const {
+void BoardDetector::Parts::findBesideCorners(const GreyImage& image, Corners& corners) const {
   std::vector<cv::Point2f> from, to;
   for (int id = 0; id < board().cornerCount(); ++id)
     if (const std::optional<Vec2>& corner = corners[static_cast<std::size_t>(id)]) {
       from.emplace_back(static_cast<float>(inSquares(id).x()), static_cast<float>(inSquares(id).y()));
       to.emplace_back(static_cast<float>(corner->x()), static_cast<float>(corner->y()));
     }
-  const std::optional<PlaneToPicture> plane = planeThrough(from, to);
+  const std::optional<PlaneToImage> plane = planeThrough(from, to);
   std::vector<int> next;  // corners whose neighbours have not been looked for
   for (int id = 0; id < board().cornerCount(); ++id)
     if (corners[static_cast<std::size_t>(id)]) next.push_back(id);
@@ -244,7 +244,7 @@ void BoardDetector::Parts::findBesideCorners(const GreyPicture& picture, Corners
       const int id = known + x + y * board().cornersX();
       std::optional<Vec2>& corner = corners[static_cast<std::size_t>(id)];
       if (corner) continue;
-      corner = findCorner(picture, {plane->at(inSquares(id)) + off, plane->slopeAt(inSquares(id)),
+      corner = findCorner(image, {plane->at(inSquares(id)) + off, plane->slopeAt(inSquares(id)),
                                     board().blackBefore(id), whiteMargin()});
       if (corner) next.push_back(id);
     }
@@ -268,11 +268,11 @@ int BoardDetector::Parts::markersBeside(const Corners& corners) const {
 }
 
 std::optional<BoardView> BoardDetector::Parts::findCharuco(const cv::Mat& grey) const {
-  const GreyPicture picture{grey.cols, grey.rows, grey.data};
+  const GreyImage image{grey.cols, grey.rows, grey.data};
   Corners corners(static_cast<std::size_t>(board().cornerCount()));
   const std::vector<SeenMarker> found = thoseOfOneBoard(findMarkers(grey));
-  findBesideMarkers(picture, found, corners);
-  findBesideCorners(picture, corners);
+  findBesideMarkers(image, found, corners);
+  findBesideCorners(image, corners);
   std::set<int> read;  // the same one may have been found twice
   for (const SeenMarker& marker : found) read.insert(marker.id);
   if (static_cast<double>(read.size()) < kLeastRead * markersBeside(corners)) return std::nullopt;
@@ -295,13 +295,13 @@ const Board& BoardDetector::board() const {
   return parts_->board();
 }
 
-std::optional<BoardView> BoardDetector::find(PictureSize size, PixelForm form,
+std::optional<BoardView> BoardDetector::find(ImageSize size, PixelFormat form,
                                              std::span<const std::uint8_t> pixels) const {
   const std::size_t wanted = std::size_t(size.width) * std::size_t(size.height) * std::size_t(form);
   if (size.width < 1 || size.height < 1 || pixels.size() != wanted)
-    throw Error("a picture of " + std::to_string(size.width) + " x " + std::to_string(size.height) +
+    throw Error("a image of " + std::to_string(size.width) + " x " + std::to_string(size.height) +
                 " pixels was given " + std::to_string(pixels.size()) + " bytes");
-  const bool is_grey = form == PixelForm::kGrey8;
+  const bool is_grey = form == PixelFormat::kGrey8;
   // OpenCV only reads from it, but has no constant matrix over foreign memory.
   cv::Mat grey(size.height, size.width, is_grey ? CV_8UC1 : CV_8UC3,
                const_cast<std::uint8_t*>(pixels.data()));

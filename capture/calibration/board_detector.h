@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Finds a calibration board in a picture, its inner corners to a few hundredths of a pixel.
+// Finds a calibration board in a image, its inner corners to a few hundredths of a pixel.
 #pragma once
 
 #include <memory>
@@ -11,7 +11,7 @@
 
 namespace airclay {
 
-/// Looks for one board, in as many pictures as wanted and from any number of threads at once.
+/// Looks for one board, in as many images as wanted and from any number of threads at once.
 class BoardDetector {
  public:
   /// \throw Error as checkBoard()
@@ -24,9 +24,9 @@ class BoardDetector {
 
   /// The board's inner corners that `pixels` (rows from the top, tightly packed) shows well: of a ChArUco
   /// board at least four in no line; of a chessboard all. A corner that is blurred, hidden, cut off by the
-  /// picture's edge or of too little contrast is left out. None where the board is not there, or another one
+  /// image's edge or of too little contrast is left out. None where the board is not there, or another one
   /// is.
-  std::optional<BoardView> find(PictureSize size, PixelForm form, std::span<const std::uint8_t> pixels) const;
+  std::optional<BoardView> find(ImageSize size, PixelFormat form, std::span<const std::uint8_t> pixels) const;
 
  private:
   struct Parts;

@@ -19,7 +19,7 @@ constexpr double kLeastContrast = 10;
 /// Grey values between the pixels.
 class Grey {
  public:
-  Grey(PictureSize size, std::span<const std::uint8_t> bgr) : size_(size), bgr_(bgr) {}
+  Grey(ImageSize size, std::span<const std::uint8_t> bgr) : size_(size), bgr_(bgr) {}
 
   bool reaches(const Vec2& at) const {
     return at.x() >= 0 && at.y() >= 0 && at.x() <= size_.width - 1 && at.y() <= size_.height - 1;
@@ -40,11 +40,11 @@ class Grey {
                                 static_cast<std::size_t>(x));
     return 0.114 * bgr_[at] + 0.587 * bgr_[at + 1] + 0.299 * bgr_[at + 2];
   }
-  PictureSize size_;
+  ImageSize size_;
   std::span<const std::uint8_t> bgr_;
 };
 
-/// The mean grey across an edge from one side to the other, every kStep_px; empty where the picture ends.
+/// The mean grey across an edge from one side to the other, every kStep_px; empty where the image ends.
 std::vector<double> profileAcross(const Grey& grey, const Vec2& a, const Vec2& b, double reach_px) {
   const Vec2 along = b - a, across = Vec2(-along.y(), along.x()).normalized();
   const int half = static_cast<int>(reach_px / kStep_px);
@@ -94,7 +94,7 @@ std::optional<Vec2> besideEdge(const std::map<int, Vec2>& corners, const Board& 
 
 }  // namespace
 
-std::optional<BoardLight> boardLight(const Board& board, const BoardView& view, PictureSize size,
+std::optional<BoardExposure> boardExposure(const Board& board, const BoardView& view, ImageSize size,
                                      std::span<const std::uint8_t> bgr) {
   if (size.width < 2 || size.height < 2) return std::nullopt;
   const Grey grey(size, bgr);
@@ -121,7 +121,7 @@ std::optional<BoardLight> boardLight(const Board& board, const BoardView& view, 
       blur.push_back(edge->blur_px);
     }
   if (blur.empty()) return std::nullopt;
-  return BoardLight{median(black), median(white), median(blur)};
+  return BoardExposure{median(black), median(white), median(blur)};
 }
 
 }  // namespace airclay

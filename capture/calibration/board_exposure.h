@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How sharp and how well lit a board stands in a picture.
+// How sharp and how well lit a board stands in a image.
 #pragma once
 
 #include <optional>
@@ -10,7 +10,7 @@
 
 namespace airclay {
 
-struct BoardLight {
+struct BoardExposure {
   double black = 0, white = 0;  ///< grey values of 255 on both sides of the squares' edges, medians
   /// Standard deviation of the blur across these edges in pixels, the gathering by a pixel's own square
   /// included; what is larger than a fifth of a marker's margin is seen too small.
@@ -19,7 +19,7 @@ struct BoardLight {
 
 /// Measured at the squares' edges between neighbouring corners of a view. \pre bgr: 3 bytes a pixel, rows
 /// from the top. None when no two neighbours are there, or no contrast.
-std::optional<BoardLight> boardLight(const Board& board, const BoardView& view, PictureSize size,
+std::optional<BoardExposure> boardExposure(const Board& board, const BoardView& view, ImageSize size,
                                      std::span<const std::uint8_t> bgr);
 
 }  // namespace airclay

@@ -58,11 +58,11 @@ std::vector<std::string> cameraNames(const path& folder) {
     const bool is_video = extension == ".mp4" || extension == ".mkv" || extension == ".avi";
     if (entry.is_regular_file() && is_video) names.insert(entry.path().stem().string());
     const bool is_of_take = name == "background" || name == "silhouettes";
-    if (entry.is_directory() && !is_of_take && !numberedPictures(entry.path()).empty()) names.insert(name);
+    if (entry.is_directory() && !is_of_take && !numberedImages(entry.path()).empty()) names.insert(name);
   }
   if (names.size() < 2 || names.size() > static_cast<std::size_t>(kMaxCameras))
     throw Error(folder.string() + ": it holds the frames of " + std::to_string(names.size()) +
-                (names.size() == 1 ? " camera" : " cameras") + "; NAME.mp4, .mkv or .avi, or pictures " +
+                (names.size() == 1 ? " camera" : " cameras") + "; NAME.mp4, .mkv or .avi, or images " +
                 "NAME/000000.png and on, of 2 to " + std::to_string(kMaxCameras) + " would be right");
   std::vector<std::string> sorted(names.begin(), names.end());
   std::sort(sorted.begin(), sorted.end(), comesBefore);
@@ -113,7 +113,7 @@ const std::vector<std::pair<const char*, int>> kDictionaries = {
     {"7X7_1000", cv::aruco::DICT_7X7_1000},
     {"APRILTAG_36h11", cv::aruco::DICT_APRILTAG_36h11}};
 
-std::string describe(const Board& board) {
+std::string describeBoard(const Board& board) {
   const std::string squares =
       std::to_string(board.squares_x) + " x " + std::to_string(board.squares_y) + " squares";
   if (board.chessboard) return "a chessboard of " + squares;
@@ -121,7 +121,7 @@ std::string describe(const Board& board) {
          board.dictionary;
 }
 
-/// What markers a picture shows, of any dictionary, inverted or not: a half sentence, empty without any.
+/// What markers a image shows, of any dictionary, inverted or not: a half sentence, empty without any.
 std::string markersIn(const cv::Mat& grey) {
   std::string seen;
   std::size_t most = 3;  // fewer may be chance
@@ -200,7 +200,7 @@ std::vector<int> BoardRecording::Parts::instantsToSearch(const BoardSearch& sear
 void BoardRecording::Parts::failUnseen(const Board& board) {
   std::string seen;
   for (RecordedCamera& camera : cameras) {
-    const PictureSize size = camera.source->size();
+    const ImageSize size = camera.source->size();
     cv::Mat bgr(size.height, size.width, CV_8UC3), grey;
     for (const int share : {1, 2, 3}) {
       if (!seen.empty()) break;
@@ -209,7 +209,7 @@ void BoardRecording::Parts::failUnseen(const Board& board) {
       seen = markersIn(grey);
     }
   }
-  throw Error(folder.string() + ": no camera saw " + describe(board) + "; " +
+  throw Error(folder.string() + ": no camera saw " + describeBoard(board) + "; " +
               (seen.empty()
                    ? "the board that was recorded (--squares, --dictionary, --invert), large enough and "
                      "well lit, would be right"
@@ -250,7 +250,7 @@ class Search {
     while (running_ > 0) {
       changed_.wait_for(lock, std::chrono::milliseconds(50));
       lock.unlock();
-      workGoesOn(done_ / total);
+      reportProgress(done_ / total);
       lock.lock();
     }
   }
@@ -270,7 +270,7 @@ class Search {
 
   void searchCamera(std::size_t index) {
     RecordedCamera& camera = cameras_[index];
-    const PictureSize size = camera.source->size();
+    const ImageSize size = camera.source->size();
     std::vector<std::uint8_t> bgr(static_cast<std::size_t>(size.width) *
                                   static_cast<std::size_t>(size.height) * 3);
     for (const int instant : instants_) {
@@ -278,7 +278,7 @@ class Search {
       const auto frame = camera.frame_of_instant.find(instant);
       if (frame != camera.frame_of_instant.end()) {
         camera.source->read(frame->second, bgr);
-        if (std::optional<BoardView> view = detector_.find(size, PixelForm::kBgr8, bgr))
+        if (std::optional<BoardView> view = detector_.find(size, PixelFormat::kBgr8, bgr))
           found_[index].views[instant] = std::move(*view);
       }
       ++done_;

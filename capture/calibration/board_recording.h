@@ -33,7 +33,7 @@ class BoardRecording {
   /// What is unusual but no fault, a line each.
   const std::vector<std::string>& notes() const;
 
-  /// Looks for the board in all cameras. Tells the calling thread's workGoesOn().
+  /// Looks for the board in all cameras. Tells the calling thread's reportProgress().
   /// \throw Error when no camera saw it at all, with what was seen instead where that is known; or when a
   /// frame cannot be decoded.
   std::vector<CameraViews> findBoards(const BoardDetector& detector, const BoardSearch& search = {});

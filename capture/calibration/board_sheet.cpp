@@ -123,7 +123,7 @@ BoardSheet layOut(const Board& board, Page page) {
   sheet.ruler_begin_m = Vec2(ruler_left, top + board.heightM() + kGapM + kTickM);
   sheet.ruler_end_m = sheet.ruler_begin_m + Vec2(kRulerM, 0);
   addRuler(sheet);
-  sheet.lines = {"check: this line is 100 mm", "airclay board: " + inWords(board)};
+  sheet.lines = {"check: this line is 100 mm", "airclay board: " + describe(board)};
   sheet.text_m = sheet.ruler_begin_m + Vec2(0, kTextLineM);
   return sheet;
 }

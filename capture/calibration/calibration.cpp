@@ -42,14 +42,14 @@ Calibration calibrate(const Board& board, const std::vector<CameraViews>& camera
     const double done = kLensesShare * static_cast<double>(c) / static_cast<double>(cameras.size());
     bundle.cameras.push_back(fitLens({cameras[c], viewsOf(bundle, c), done}, options));
   }
-  workGoesOn(kLensesShare);
+  reportProgress(kLensesShare);
   placeAll(bundle, cameras, false);
 
   const BundleView& world = worldView(bundle, options.world_frame);
   calibration.world_frame = world.frame;
   placeWorld(bundle, world, board);
   calibration.rig = rigFrom(bundle, cameras, options);
-  workGoesOn(0.95);
+  reportProgress(0.95);
   report(bundle, calibration);
   return calibration;
 }

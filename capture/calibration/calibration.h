@@ -41,8 +41,8 @@ struct CalibrationOptions {
 /// A camera needs so many views.
 inline constexpr int kFewestViews = 8;
 
-/// Of fewer views, of a lesser share of the picture, or of fewer views that another camera shares, it is
-/// warned: fewer views leave a lens to chance; a cube that fills the middle of the picture needs no more than
+/// Of fewer views, of a lesser share of the image, or of fewer views that another camera shares, it is
+/// warned: fewer views leave a lens to chance; a cube that fills the middle of the image needs no more than
 /// half of it.
 inline constexpr int kFewViews = 20;
 inline constexpr double kPoorCoverage = 0.3;
@@ -55,8 +55,8 @@ struct CameraQuality {
   int corners = 0;       ///< used
   int dropped = 0;       ///< corners that no pose of the board explains, of these views and of others
   double rms_px = 0;     ///< of the used corners' distances from where the rig projects them
-  double coverage = 0;  ///< share of the picture, in cells of an eighth of its width, where a corner was seen
-  std::string bare_sides;  ///< of the picture, where hardly any was: "left, top"
+  double coverage = 0;  ///< share of the image, in cells of an eighth of its width, where a corner was seen
+  std::string bare_sides;  ///< of the image, where hardly any was: "left, top"
   double focal_sigma = 0;  ///< standard deviation of the focal length, relative to it
 };
 
@@ -87,7 +87,7 @@ struct Calibration {
   std::vector<std::string> warnings;  ///< a line each: what is poor, at which camera, and what to do
 };
 
-/// Tells workGoesOn() how far it is. \pre the views' ids are the board's.
+/// Tells reportProgress() how far it is. \pre the views' ids are the board's.
 /// \throw Error naming the camera and what to do: fewer than two cameras; a camera with too few views, or
 /// whose views no lens explains; cameras that no chain of shared views connects; a world frame without a
 /// board.

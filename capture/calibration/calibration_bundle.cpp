@@ -103,7 +103,7 @@ struct Reprojection {
   }
 };
 
-// A term of the distortion moves the picture's corner by no more than some half of its radius; a tangential
+// A term of the distortion moves the image's corner by no more than some half of its radius; a tangential
 // one by some twentieth. Far weaker than what views say of a coefficient, it holds those of which they say
 // nothing: such run to hundreds otherwise, one against the other.
 constexpr double kUsualRadial = 0.5, kUsualTangential = 0.05;
@@ -218,7 +218,7 @@ class StillWanted : public ceres::IterationCallback {
 
   ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
     try {
-      workGoesOn(done_);
+      reportProgress(done_);
     } catch (...) {
       cancelled = std::current_exception();
       return ceres::SOLVER_ABORT;

@@ -12,7 +12,7 @@
 namespace airclay {
 namespace {
 
-// Two pair poses are the same one as long as they move a board's corner by less than this in the picture: a
+// Two pair poses are the same one as long as they move a board's corner by less than this in the image: a
 // flat board's pose is good to a few pixels, its mirrored twin is off by tens.
 constexpr double kSamePose_px = 15;
 // Of a pair's shared boards so many are proposed as its pose; all of them vote.
@@ -51,7 +51,7 @@ std::vector<SharedBoard> sharedBoards(const Bundle& bundle, const ViewPoses& pos
 }
 
 /// The pair pose by one board that is nearest to `b_from_a`, and how far it moves the board's outline in b's
-/// picture, by the root of the mean square.
+/// image, by the root of the mean square.
 struct Nearest {
   Pose b_from_a = Pose::Identity();
   double apart_px = std::numeric_limits<double>::infinity();

@@ -20,31 +20,31 @@ const cv::Scalar kPaper(250, 250, 250, 255), kInk(40, 40, 40, 255), kFrame(190, 
 constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
 constexpr double kFontScale = 0.5;
 
-void write(cv::Mat& picture, const std::string& words, cv::Point place) {
-  cv::putText(picture, words, place, kFont, kFontScale, kInk, 1, cv::LINE_AA);
+void write(cv::Mat& image, const std::string& words, cv::Point place) {
+  cv::putText(image, words, place, kFont, kFontScale, kInk, 1, cv::LINE_AA);
 }
 
-/// Moves the words as far as they would reach over the picture's edges.
-void writeInside(cv::Mat& picture, const std::string& words, cv::Point place) {
+/// Moves the words as far as they would reach over the image's edges.
+void writeInside(cv::Mat& image, const std::string& words, cv::Point place) {
   constexpr int kEdge_px = 4;
   int below = 0;
   const cv::Size size = cv::getTextSize(words, kFont, kFontScale, 1, &below);
-  place.x = std::max(std::min(place.x, picture.cols - size.width - kEdge_px), kEdge_px);
-  place.y = std::max(std::min(place.y, picture.rows - below - kEdge_px), kTitle_px + size.height);
-  write(picture, words, place);
+  place.x = std::max(std::min(place.x, image.cols - size.width - kEdge_px), kEdge_px);
+  place.y = std::max(std::min(place.y, image.rows - below - kEdge_px), kTitle_px + size.height);
+  write(image, words, place);
 }
 
 /// Draws what lies in the world's plane of two of its axes.
 class PlanView {
  public:
-  PlanView(cv::Mat picture, int right, int up, const Calibration& calibration)
-      : picture_(std::move(picture)), right_(right), up_(up) {
+  PlanView(cv::Mat image, int right, int up, const Calibration& calibration)
+      : image_(std::move(image)), right_(right), up_(up) {
     for (const Camera& camera : calibration.rig.cameras) reach(eyeOf(camera));
     for (const double sign : {-0.5, 0.5})
       reach(calibration.rig.workspace.center + Vec3::Constant(sign * calibration.rig.workspace.edge_m));
     const Vec2 size = (high_ - low_).cwiseMax(1e-6);
     per_metre_ =
-        std::min((picture_.cols - 6 * kMargin_px) / size.x(), (picture_.rows - 6 * kMargin_px) / size.y());
+        std::min((image_.cols - 6 * kMargin_px) / size.x(), (image_.rows - 6 * kMargin_px) / size.y());
   }
 
   void drawAll(const Calibration& calibration, const Board& outline) {
@@ -67,10 +67,10 @@ class PlanView {
   void reach(const Vec3& point) { low_ = low_.cwiseMin(flat(point)), high_ = high_.cwiseMax(flat(point)); }
   cv::Point at(const Vec3& point) const {
     const Vec2 from_middle = per_metre_ * (flat(point) - 0.5 * (low_ + high_));
-    return {cvRound(0.5 * picture_.cols + from_middle.x()), cvRound(0.5 * picture_.rows - from_middle.y())};
+    return {cvRound(0.5 * image_.cols + from_middle.x()), cvRound(0.5 * image_.rows - from_middle.y())};
   }
   void line(const std::array<cv::Point, 2>& ends, const cv::Scalar& colour, int width = 1) {
-    cv::line(picture_, ends[0], ends[1], colour, width, cv::LINE_AA);
+    cv::line(image_, ends[0], ends[1], colour, width, cv::LINE_AA);
   }
   void loop(const std::vector<Vec3>& points, const cv::Scalar& colour, int width) {
     for (std::size_t i = 0; i < points.size(); ++i)
@@ -96,11 +96,11 @@ class PlanView {
         rim.push_back(world_from_camera * Vec3(0.15 * *ray));
     for (const Vec3& point : rim) line({at(eyeOf(camera)), at(point)}, kLens);
     loop(rim, kLens, 1);
-    cv::circle(picture_, at(eyeOf(camera)), 4, kLens, cv::FILLED, cv::LINE_AA);
-    writeInside(picture_, camera.name, at(eyeOf(camera)) + cv::Point(6, -6));
+    cv::circle(image_, at(eyeOf(camera)), 4, kLens, cv::FILLED, cv::LINE_AA);
+    writeInside(image_, camera.name, at(eyeOf(camera)) + cv::Point(6, -6));
   }
 
-  cv::Mat picture_;
+  cv::Mat image_;
   int right_, up_;
   Vec2 low_ = Vec2::Constant(1e9), high_ = Vec2::Constant(-1e9);
   double per_metre_ = 1;
@@ -130,9 +130,9 @@ void drawCalibration(const std::filesystem::path& png, const Board& board, const
   const int cameras = static_cast<int>(calibration.rig.cameras.size());
   // Two rows: from above and from the side, then the cameras, two to a column.
   const int columns = 1 + (cameras + 1) / 2, step = kPanel_px + kMargin_px;
-  cv::Mat picture(2 * step + kMargin_px, columns * step + kMargin_px, CV_8UC4, kPaper);
+  cv::Mat image(2 * step + kMargin_px, columns * step + kMargin_px, CV_8UC4, kPaper);
   const auto panel = [&](int column, int row) {
-    return picture(cv::Rect(kMargin_px + column * step, kMargin_px + row * step, kPanel_px, kPanel_px));
+    return image(cv::Rect(kMargin_px + column * step, kMargin_px + row * step, kPanel_px, kPanel_px));
   };
   for (const int row : {0, 1}) {
     cv::Mat view = panel(0, row);
@@ -143,7 +143,7 @@ void drawCalibration(const std::filesystem::path& png, const Board& board, const
   for (int camera = 0; camera < cameras; ++camera)
     drawResiduals(panel(1 + camera / 2, camera % 2), calibration, camera);
   cv::Mat rgba;
-  cv::cvtColor(picture, rgba, cv::COLOR_BGRA2RGBA);
+  cv::cvtColor(image, rgba, cv::COLOR_BGRA2RGBA);
   writePng(png, {rgba.cols, rgba.rows},
            {rgba.ptr<std::uint8_t>(),
             static_cast<std::size_t>(rgba.cols) * static_cast<std::size_t>(rgba.rows) * 4});

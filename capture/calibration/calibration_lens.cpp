@@ -71,7 +71,7 @@ Lens searchFocal(LensModel model, const LensTask& task) {
   Lens best;
   double best_misfit = std::numeric_limits<double>::infinity();
   for (double share = widest; share <= longest; share *= kStep) {
-    workGoesOn(task.done);
+    reportProgress(task.done);
     const Lens lens = startLens(model, share * task.camera.width, task.camera);
     const double score = misfit(lens, task.views);
     if (score < best_misfit) best = lens, best_misfit = score;
@@ -177,11 +177,11 @@ Candidate forced(const LensTask& task, LensChoice choice) {
   return {};
 }
 
-/// Where a view lies in the picture, how large it is and how it is tilted: what lenses are told apart by.
+/// Where a view lies in the image, how large it is and how it is tilted: what lenses are told apart by.
 Eigen::Matrix<double, 6, 1> featuresOf(const BundleView& view, const CameraViews& camera) {
   Vec2 middle = Vec2::Zero();
   for (const Vec2& pixel : view.pixels) middle += pixel / static_cast<double>(view.pixels.size());
-  // The affine map from board to picture: its size and shape are the distance and the tilt.
+  // The affine map from board to image: its size and shape are the distance and the tilt.
   Eigen::Matrix2d spread = Eigen::Matrix2d::Zero(), mixed = Eigen::Matrix2d::Zero();
   for (std::size_t i = 0; i < view.pixels.size(); ++i) {
     const Vec2 on_board = (view.corners[i] - view.corners[0]).head<2>();

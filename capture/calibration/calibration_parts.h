@@ -17,7 +17,7 @@ struct BundleCamera {
   bool free_center = true;  ///< the principal point is sought, too
   Pose camera_from_world = Pose::Identity();
   double noise_px = 1;            ///< standard deviation of a corner's coordinate
-  double half_diagonal_px = 400;  ///< of the picture
+  double half_diagonal_px = 400;  ///< of the image
 };
 
 /// One camera's view of one board. Views of one instant share a stand.
@@ -47,7 +47,7 @@ struct AdjustOptions {
   /// Hold all of them; the first camera is held where no stand is.
   bool fix_lenses = false, fix_cameras = false, fix_stands = false;
   int max_iterations = 60;
-  double done = 0;  ///< share of the calibration that lies behind, for workGoesOn()
+  double done = 0;  ///< share of the calibration that lies behind, for reportProgress()
 };
 
 /// Least squares over all trusted corners, the first camera's pose held. \throw Error when it diverges.
@@ -97,7 +97,7 @@ struct LensTask {
   double done = 0;  ///< as in AdjustOptions
 };
 
-/// Whether light arrives at the whole of a picture of width x height pixels: the model does not turn before
+/// Whether light arrives at the whole of a image of width x height pixels: the model does not turn before
 /// its corners (or 85 degrees from the axis, where a fisheye lens may end).
 bool reachesCorners(const Lens& lens, int width, int height);
 
@@ -111,7 +111,7 @@ using ViewPoses = std::vector<std::vector<Pose>>;
 /// \throw Error naming cameras that no chain of shared views connects.
 void chainCameras(Bundle& bundle, const ViewPoses& poses, const std::vector<CameraViews>& names);
 
-/// What workGoesOn() is told: finding the lenses takes half of the time.
+/// What reportProgress() is told: finding the lenses takes half of the time.
 inline constexpr double kLensesShare = 0.5;
 
 /// How many good views of the board each camera needs, and how many would be better.
@@ -146,7 +146,7 @@ void placeWorld(Bundle& bundle, const BundleView& view, const Board& board);
 /// \pre calibration.rig is the bundle's
 void measure(const Bundle& bundle, Calibration& calibration);
 
-/// Warns of cameras that don't take their pictures at the same time.
+/// Warns of cameras that don't take their images at the same time.
 void warnOfSkew(const Bundle& bundle, std::vector<std::string>& warnings);
 
 /// What a camera's corners are off by where something is wrong: what good webcams and a flat board reach is

@@ -106,27 +106,27 @@ CameraQuality qualityOf(const Bundle& bundle, int camera, Calibration& calibrati
 }
 
 void warnOfCamera(const CameraQuality& quality, const std::string& name, std::vector<std::string>& warnings) {
-  const auto warn = [&](const std::string& text) { warnings.push_back("camera \"" + name + "\": " + text); };
+  const auto printWarning = [&](const std::string& text) { warnings.push_back("camera \"" + name + "\": " + text); };
   if (quality.views < kFewViews)
-    warn("only " + std::to_string(quality.views) +
+    printWarning("only " + std::to_string(quality.views) +
          " views of the board are of use; wave it longer before it");
   if (quality.coverage < kPoorCoverage)
-    warn("the board was seen in " + percent(quality.coverage) +
-         " of its picture; bring it nearer, and to the edges" +
+    printWarning("the board was seen in " + percent(quality.coverage) +
+         " of its image; bring it nearer, and to the edges" +
          (quality.bare_sides.empty() ? "" : ": " + quality.bare_sides));
   if (quality.rms_px > kHighRms_px)
-    warn("corners are off by " + twoDigits(quality.rms_px) +
+    printWarning("corners are off by " + twoDigits(quality.rms_px) +
          " px; a flat, stiff board, moved more slowly in more light, would be better");
   if (10 * quality.dropped > quality.corners + quality.dropped)
-    warn(
+    printWarning(
         percent(static_cast<double>(quality.dropped) / (quality.corners + quality.dropped)) +
         " of its corners fit nothing and were dropped; is the board flat, sharp and the one that was named?");
   if (quality.focal_sigma > kPoorFocal)
-    warn("its focal length is hardly known" +
+    printWarning("its focal length is hardly known" +
          (std::isfinite(quality.focal_sigma) ? " (to " + percent(quality.focal_sigma) + ")" : "") +
          "; tilt the board by 30 degrees and more to all sides, near and far");
   if (quality.shared_views < kFewShared)
-    warn("it shares only " + std::to_string(quality.shared_views) +
+    printWarning("it shares only " + std::to_string(quality.shared_views) +
          " views of the board with other cameras; hold it where two of them see it at once");
 }
 
@@ -134,7 +134,7 @@ void warnOfRange(const Rig& rig, std::vector<std::string>& warnings) {
   for (const Camera& camera : rig.cameras)
     if (!reachesCorners(camera.lens, camera.width, camera.height))
       warnings.push_back("camera \"" + camera.name +
-                         "\": its lens, as far as it was seen, does not reach the picture's corners, where "
+                         "\": its lens, as far as it was seen, does not reach the image's corners, where "
                          "nothing will count; show it the board there, or try another --lens");
 }
 
@@ -164,7 +164,7 @@ void warnOfSkew(const Bundle& bundle, std::vector<std::string>& warnings) {
   if (10 * torn > shared)
     warnings.push_back(
         "in " + std::to_string(torn) + " of " + std::to_string(shared) +
-        " frames the cameras disagree on where the board was, so they don't take their pictures "
+        " frames the cameras disagree on where the board was, so they don't take their images "
         "at the same time; those frames place no camera: hold the board still now and then, or "
         "record timestamps.csv");
 }

@@ -126,7 +126,7 @@ void checkPlaced(const Bundle& bundle, const std::vector<CameraViews>& cameras) 
       throw Error(
           "camera \"" + cameras[c].name +
           "\": in no frame does it agree with another camera on where the board was; cameras that take "
-          "their pictures at the same time, or a board that is held still now and then, would be right");
+          "their images at the same time, or a board that is held still now and then, would be right");
 }
 
 }  // namespace

@@ -41,14 +41,14 @@ struct Grid {
 };
 
 /// The contrast at the grid's first corner: negative where its upper left square is white.
-std::optional<double> contrastAtFirst(const GreyPicture& picture, const Grid& grid) {
-  const std::optional<Saddle> saddle = findSaddle(picture, {grid.at(0, 0), grid.slopeAt(0, 0), true, 1});
+std::optional<double> contrastAtFirst(const GreyImage& image, const Grid& grid) {
+  const std::optional<SaddlePoint> saddle = findSaddle(image, {grid.at(0, 0), grid.slopeAt(0, 0), true, 1});
   return saddle ? std::optional(saddle->contrast) : std::nullopt;
 }
 
 /// The way in which the board lies: its upper left square is black, and where that leaves a choice its rows
 /// run to the right.
-std::optional<Grid> asTheBoardLies(const GreyPicture& picture, Grid grid) {
+std::optional<Grid> asTheBoardLies(const GreyImage& image, Grid grid) {
   if (grid.slopeAt(0, 0).determinant() < 0) grid = grid.mirrored();
   std::vector<Grid> ways{grid, grid.turned()};
   if (grid.columns == grid.rows) {
@@ -60,7 +60,7 @@ std::optional<Grid> asTheBoardLies(const GreyPicture& picture, Grid grid) {
   double best_right = 0;
   for (int colour = 0; colour < 2 && !best; ++colour)  // where no way has a black one, any will do
     for (const Grid& way : ways) {
-      const std::optional<double> contrast = contrastAtFirst(picture, way);
+      const std::optional<double> contrast = contrastAtFirst(image, way);
       if (!contrast) return std::nullopt;
       if (colour == 0 && *contrast < 0) continue;
       const double right = (way.at(way.columns - 1, 0) - way.at(0, 0)).normalized().x();
@@ -71,28 +71,28 @@ std::optional<Grid> asTheBoardLies(const GreyPicture& picture, Grid grid) {
 
 }  // namespace
 
-std::optional<BoardView> findChessboard(const Board& board, const GreyPicture& picture) {
+std::optional<BoardView> findChessboard(const Board& board, const GreyImage& image) {
   // OpenCV only reads from it, but has no constant matrix over foreign memory.
-  const cv::Mat grey(picture.height, picture.width, CV_8UC1, const_cast<std::uint8_t*>(picture.pixels));
+  const cv::Mat grey(image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.pixels));
   std::vector<cv::Point2f> corners;
   const cv::Size size(board.cornersX(), board.cornersY());
-  // One threshold for the whole picture first, then one for each neighbourhood. Both at once, OpenCV's usual
-  // choice, takes seconds over a picture of a board with other numbers of squares.
+  // One threshold for the whole image first, then one for each neighbourhood. Both at once, OpenCV's usual
+  // choice, takes seconds over a image of a board with other numbers of squares.
   if (!cv::findChessboardCorners(grey, size, corners, cv::CALIB_CB_NORMALIZE_IMAGE) &&
       !cv::findChessboardCorners(grey, size, corners, cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_FAST_CHECK))
     return std::nullopt;
   Grid found{size.width, size.height, {}};
   for (const cv::Point2f& corner : corners) found.pixels.emplace_back(corner.x, corner.y);
-  const std::optional<Grid> grid = asTheBoardLies(picture, found);
+  const std::optional<Grid> grid = asTheBoardLies(image, found);
   if (!grid) return std::nullopt;
 
-  const std::optional<double> first = contrastAtFirst(picture, *grid);
+  const std::optional<double> first = contrastAtFirst(image, *grid);
   BoardView view;
   for (int id = 0; id < board.cornerCount(); ++id) {
     const int column = id % grid->columns, row = id / grid->columns;
     const bool black_before = board.blackBefore(id) == (first && *first > 0);
     const std::optional<Vec2> corner =
-        findCorner(picture, {grid->at(column, row), grid->slopeAt(column, row), black_before, 1});
+        findCorner(image, {grid->at(column, row), grid->slopeAt(column, row), black_before, 1});
     if (!corner) return std::nullopt;
     view.ids.push_back(id);
     view.pixels.push_back(*corner);

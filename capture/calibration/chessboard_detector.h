@@ -11,6 +11,6 @@ namespace airclay {
 
 /// All inner corners of a chessboard, in the order in which it lies; none where one is missing, or another
 /// board is there. \pre board.chessboard
-std::optional<BoardView> findChessboard(const Board& board, const GreyPicture& picture);
+std::optional<BoardView> findChessboard(const Board& board, const GreyImage& image);
 
 }  // namespace airclay

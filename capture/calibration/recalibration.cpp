@@ -313,16 +313,16 @@ bool warnOfLenses(Bundle bundle, Calibration& found) {
     const Camera& camera = found.rig.cameras[c];
     const Lens& seen = bundle.cameras[c].lens;
     const double change = 0.5 * (seen.fx / camera.lens.fx + seen.fy / camera.lens.fy) - 1;
-    const auto warn = [&](const std::string& text) {
+    const auto printWarning = [&](const std::string& text) {
       found.warnings.push_back("camera \"" + camera.name + "\": " + text);
     };
     if (std::abs(change) > std::max(kSameFocal, 4 * sigmas[c])) {
       other_lens = true;
-      warn("its pictures are like those of a focal length " + fixed(100 * std::abs(change), 1) + " % " +
+      printWarning("its images are like those of a focal length " + fixed(100 * std::abs(change), 1) + " % " +
            (change > 0 ? "longer" : "shorter") +
            ", so its zoom or focus was changed; `airclay calibrate` finds its lens anew");
     } else if (found.cameras[c].rms_px > kHighRms_px) {
-      warn("corners are off by " + fixed(found.cameras[c].rms_px, 2) +
+      printWarning("corners are off by " + fixed(found.cameras[c].rms_px, 2) +
            " px; where its zoom or focus was changed, `airclay calibrate` finds its lens anew, otherwise a "
            "flat, stiff board, moved more slowly in more light, would be better");
     }
@@ -351,7 +351,7 @@ void checkSameCameras(const Rig& rig, const std::vector<CameraViews>& cameras) {
                      [&](const Camera& camera) { return views.name == camera.name; }))
       foreign.push_back(views.name);
   std::string fault;
-  if (!lacking.empty()) fault = "there are no pictures of the rig's " + listed(lacking);
+  if (!lacking.empty()) fault = "there are no images of the rig's " + listed(lacking);
   if (!foreign.empty())
     fault += (fault.empty() ? "" : ", and ") + listed(foreign) + (foreign.size() > 1 ? " are" : " is") +
              " not in the rig";
@@ -360,10 +360,10 @@ void checkSameCameras(const Rig& rig, const std::vector<CameraViews>& cameras) {
   for (const CameraViews& views : cameras)
     for (const Camera& camera : rig.cameras)
       if (views.name == camera.name && (views.width != camera.width || views.height != camera.height))
-        throw Error("camera \"" + camera.name + "\": its pictures are " + std::to_string(views.width) +
+        throw Error("camera \"" + camera.name + "\": its images are " + std::to_string(views.width) +
                     " x " + std::to_string(views.height) + " pixels, the rig's " +
                     std::to_string(camera.width) + " x " + std::to_string(camera.height) +
-                    "; pictures of the size that the rig was calibrated for would be right");
+                    "; images of the size that the rig was calibrated for would be right");
 }
 
 Recalibration recalibrate(const Board& board, const Rig& rig, const std::vector<CameraViews>& cameras,

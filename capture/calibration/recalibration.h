@@ -38,7 +38,7 @@ struct Recalibration {
 /// names all that are amiss. Of the recording's cameras no view is looked at.
 void checkSameCameras(const Rig& rig, const std::vector<CameraViews>& cameras);
 
-/// Tells workGoesOn() how far it is. \pre the views' ids are the board's, the rig is one of readRig()
+/// Tells reportProgress() how far it is. \pre the views' ids are the board's, the rig is one of readRig()
 /// \throw Error as checkSameCameras(); or naming the camera and what to do: a camera with too few views, or
 /// too few that agree with another's; cameras that no chain of shared views connects; a lens that is no
 /// longer the rig's; a board of another size than the rig's; a world frame without a board.

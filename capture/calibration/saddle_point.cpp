@@ -9,10 +9,10 @@
 //
 //   E(d) = (G(d + a/2) - G(d - a/2)) / a,   G' = erf(. / (s sqrt 2)),   s^2 = sigma^2 + b^2 / 12.
 //
-// Without the box an upright edge between two pixels would be lost by up to 0.2 px in a sharp picture.
+// Without the box an upright edge between two pixels would be lost by up to 0.2 px in a sharp image.
 // Compared with cv::cornerSubPix, which asks only that gradients be orthogonal to the way to the corner, the
 // fit uses the edges' whole length, knows which pixels a marker would disturb, and says whether there is a
-// corner at all; in drawn pictures it is off by 0.012 px where that is off by 0.05 with its best window.
+// corner at all; in drawn images it is off by 0.012 px where that is off by 0.05 with its best window.
 #include "capture/calibration/saddle_point.h"
 
 #include <algorithm>
@@ -35,9 +35,9 @@ constexpr double kLeastBlurPx = 0.1;
 constexpr double kMostBlurInSquares = 1 / 7.0;
 // Beyond this share of the white around a marker, the marker reaches the edges.
 constexpr double kMostBlurInMargin = 0.6;
-// Below this, coding and noise make the picture.
+// Below this, coding and noise make the image.
 constexpr double kLeastContrast = 12;
-// What is left of the picture when the model is taken away, as a share of the contrast: noise of 4 grey
+// What is left of the image when the model is taken away, as a share of the contrast: noise of 4 grey
 // values in a contrast of 50 leaves 0.08; what a hand or a marker puts among the squares leaves more than
 // this.
 constexpr double kMostResidue = 0.13;
@@ -86,8 +86,8 @@ class Edge {
 
 class SaddleFit {
  public:
-  SaddleFit(const GreyPicture& picture, const SaddleGuess& guess)
-      : picture_(picture), guess_(guess), square_px_(shortestSide(guess.pixels_from_squares)) {
+  SaddleFit(const GreyImage& image, const SaddleGuess& guess)
+      : image_(image), guess_(guess), square_px_(shortestSide(guess.pixels_from_squares)) {
     const Mat2& axes = guess.pixels_from_squares;
     // Edge 1 is x = 0 and runs along y; its normal points to greater x. Edge 2 alike.
     const double side = axes.determinant() > 0 ? 1 : -1;
@@ -96,7 +96,7 @@ class SaddleFit {
         kUsualBlurPx, 0, 0, 0, 0;
   }
 
-  std::optional<Saddle> run() {
+  std::optional<SaddlePoint> run() {
     // The second pass knows better which pixels to look at.
     for (int pass = 0; pass < 2; ++pass)
       if (!collect() || (pass == 0 && !startGreys()) || !iterate()) return std::nullopt;
@@ -107,7 +107,7 @@ class SaddleFit {
         std::sqrt(cost_ / double(samples_.size())) <= kMostResidue * std::abs(contrast) &&
         blur <= most_blur * square_px_ && crossesWell();
     if (!sees_corner) return std::nullopt;
-    return Saddle{guess_.pixel + unknowns_.head<2>(), blur, contrast};
+    return SaddlePoint{guess_.pixel + unknowns_.head<2>(), blur, contrast};
   }
 
  private:
@@ -131,12 +131,12 @@ class SaddleFit {
     std::array<int, 4> in_quadrant{};
     for (int y = int(std::lround(center.y())) - reach; y <= int(std::lround(center.y())) + reach; ++y)
       for (int x = int(std::lround(center.x())) - reach; x <= int(std::lround(center.x())) + reach; ++x) {
-        if (x < 0 || y < 0 || x >= picture_.width || y >= picture_.height) continue;
+        if (x < 0 || y < 0 || x >= image_.width || y >= image_.height) continue;
         const Vec2 offset = Vec2(x, y) - center, in_squares = squares_from_pixels * offset;
         if (offset.norm() > kMostReachPx || in_squares.cwiseAbs().maxCoeff() > kReachInSquares) continue;
         const bool is_black = (in_squares.x() * in_squares.y() > 0) == guess_.black_before;
         if (!is_black && in_squares.cwiseAbs().minCoeff() > margin) continue;
-        samples_.push_back({Vec2(x, y) - guess_.pixel, picture_.at(x, y)});
+        samples_.push_back({Vec2(x, y) - guess_.pixel, image_.at(x, y)});
         ++in_quadrant[size_t(2 * (in_squares.y() > 0) + (in_squares.x() > 0))];
       }
     if (samples_.size() < kFewestPixels) return false;
@@ -197,7 +197,7 @@ class SaddleFit {
   }
 
   bool isNearGuess(const Unknowns& u) const {
-    // A guess from a marker in a noisy picture is off by a pixel; far from it lies another crossing.
+    // A guess from a marker in a noisy image is off by a pixel; far from it lies another crossing.
     return u.head<2>().norm() <= std::max(1.5, 0.15 * square_px_);
   }
 
@@ -233,7 +233,7 @@ class SaddleFit {
     return last_step_px < 10 * kLastStepPx;
   }
 
-  const GreyPicture& picture_;
+  const GreyImage& image_;
   const SaddleGuess& guess_;
   double square_px_;
   Unknowns unknowns_;
@@ -243,16 +243,16 @@ class SaddleFit {
 
 }  // namespace
 
-std::optional<Saddle> findSaddle(const GreyPicture& picture, const SaddleGuess& guess) {
+std::optional<SaddlePoint> findSaddle(const GreyImage& image, const SaddleGuess& guess) {
   if (!guess.pixel.allFinite() || !guess.pixels_from_squares.allFinite()) return std::nullopt;
-  const bool is_inside = (guess.pixel.array() >= 0).all() && guess.pixel.x() <= picture.width - 1 &&
-                         guess.pixel.y() <= picture.height - 1;
+  const bool is_inside = (guess.pixel.array() >= 0).all() && guess.pixel.x() <= image.width - 1 &&
+                         guess.pixel.y() <= image.height - 1;
   if (!is_inside || std::abs(guess.pixels_from_squares.determinant()) < 1) return std::nullopt;
-  return SaddleFit(picture, guess).run();
+  return SaddleFit(image, guess).run();
 }
 
-std::optional<Vec2> findCorner(const GreyPicture& picture, const SaddleGuess& guess) {
-  const std::optional<Saddle> saddle = findSaddle(picture, guess);
+std::optional<Vec2> findCorner(const GreyImage& image, const SaddleGuess& guess) {
+  const std::optional<SaddlePoint> saddle = findSaddle(image, guess);
   return saddle && saddle->contrast > 0 ? std::optional(saddle->pixel) : std::nullopt;
 }
 

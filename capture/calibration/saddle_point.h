@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where two edges of a chessboard cross in a picture, to a few hundredths of a pixel.
+// Where two edges of a chessboard cross in a image, to a few hundredths of a pixel.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace airclay {
 using Mat2 = Eigen::Matrix2d;
 
 /// 8 bits a pixel, rows from the top, tightly packed.
-struct GreyPicture {
+struct GreyImage {
   int width = 0, height = 0;  ///< pixels
   const std::uint8_t* pixels = nullptr;
 
@@ -22,7 +22,7 @@ struct GreyPicture {
 /// What is known of a crossing before it is looked at.
 struct SaddleGuess {
   Vec2 pixel = Vec2::Zero();
-  /// Of the board's axes about the crossing: how a step of one square moves in the picture.
+  /// Of the board's axes about the crossing: how a step of one square moves in the image.
   Mat2 pixels_from_squares = Mat2::Identity();
   /// Whether the squares before it and behind it on both axes are the black ones; else the other two.
   bool black_before = true;
@@ -30,7 +30,7 @@ struct SaddleGuess {
   double white_margin = 1;
 };
 
-struct Saddle {
+struct SaddlePoint {
   Vec2 pixel = Vec2::Zero();
   double blur_px = 0;   ///< sigma of the edges
   double contrast = 0;  ///< white less black, grey values; negative where the black squares are the others
@@ -38,9 +38,9 @@ struct Saddle {
 
 /// The crossing near the guess, or none where nothing of that form is there: too far off, blurred beyond a
 /// seventh of a square, too little contrast for what else is in its neighbourhood, or cut off by the
-/// picture's edge.
-std::optional<Saddle> findSaddle(const GreyPicture& picture, const SaddleGuess& guess);
+/// image's edge.
+std::optional<SaddlePoint> findSaddle(const GreyImage& image, const SaddleGuess& guess);
 /// Its place, where the black squares are those that the guess says.
-std::optional<Vec2> findCorner(const GreyPicture& picture, const SaddleGuess& guess);
+std::optional<Vec2> findCorner(const GreyImage& image, const SaddleGuess& guess);
 
 }  // namespace airclay

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Sources through OpenCV: V4L2, FFmpeg (files and streams); numbered pictures through picture_file, RTSP and
+// Sources through OpenCV: V4L2, FFmpeg (files and streams); numbered images through picture_file, RTSP and
 // pipelines through gstreamer_source.
 #include "capture/cameras/camera_source.h"
 
@@ -53,24 +53,24 @@ class RunningSource : public CameraSource {
     rate_hz_ = saneRate(video_.get(cv::CAP_PROP_FPS));
   }
 
-  PictureSize size() const override { return size_; }
+  ImageSize size() const override { return size_; }
   double rateHz() const override { return rate_hz_; }
   TimeOrigin times() const override { return times_; }
 
-  bool read(LivePicture& picture, double& capture_s) override {
+  bool read(LiveImage& image, double& capture_s) override {
     cv::Mat decoded;
     if (!video_.grab())
-      throw Error(where(camera_) + "no picture comes any more (unplugged, ended, or the network is gone)");
+      throw Error(where(camera_) + "no image comes any more (unplugged, ended, or the network is gone)");
     const double arrival_s = secondsNow();
     capture_s = captureTime(arrival_s);
     if (!video_.retrieve(decoded) || decoded.empty() || decoded.type() != CV_8UC3)
-      throw Error(where(camera_) + "a picture cannot be decoded; 8-bit colour would be right");
-    picture.size = {decoded.cols, decoded.rows};
-    if (picture.size != size_)
-      throw Error(where(camera_) + "the picture's size changed to " + std::to_string(decoded.cols) + " x " +
+      throw Error(where(camera_) + "a image cannot be decoded; 8-bit colour would be right");
+    image.size = {decoded.cols, decoded.rows};
+    if (image.size != size_)
+      throw Error(where(camera_) + "the image's size changed to " + std::to_string(decoded.cols) + " x " +
                   std::to_string(decoded.rows) + "; one size throughout would be right");
-    picture.bgr.resize(decoded.total() * 3);
-    decoded.copyTo(cv::Mat(decoded.rows, decoded.cols, CV_8UC3, picture.bgr.data()));
+    image.bgr.resize(decoded.total() * 3);
+    decoded.copyTo(cv::Mat(decoded.rows, decoded.cols, CV_8UC3, image.bgr.data()));
     return true;
   }
 
@@ -133,7 +133,7 @@ class RunningSource : public CameraSource {
 
   NamedSource camera_;
   cv::VideoCapture video_;
-  PictureSize size_;
+  ImageSize size_;
   double rate_hz_ = kDefaultRateHz;
   TimeOrigin times_ = TimeOrigin::kArrival;
   double last_stream_s_ = 0;
@@ -157,11 +157,11 @@ class PacedSource : public CameraSource {
     played_ = 0;
   }
 
-  bool read(LivePicture& picture, double& capture_s) override {
+  bool read(LiveImage& image, double& capture_s) override {
     if (start_s_ < 0) begin(Clock::now());
     capture_s = start_s_ + static_cast<double>(played_) / rateHz();
     if (!waitUntil(capture_s)) return false;
-    if (!step(picture) && !(loop_ && played_ > 0 && rewind() && step(picture))) return false;
+    if (!step(image) && !(loop_ && played_ > 0 && rewind() && step(image))) return false;
     ++played_;
     return true;
   }
@@ -173,8 +173,8 @@ class PacedSource : public CameraSource {
   }
 
  protected:
-  /// The next frame into `picture`; false at the end.
-  virtual bool step(LivePicture& picture) = 0;
+  /// The next frame into `image`; false at the end.
+  virtual bool step(LiveImage& image) = 0;
   virtual bool rewind() = 0;
 
   NamedSource camera_;
@@ -208,7 +208,7 @@ class VideoFileSource : public PacedSource {
     rate_hz_ = saneRate(video_.get(cv::CAP_PROP_FPS));
     if (!grabbed_) throw Error(where(camera) + "the video holds no frame that can be decoded");
   }
-  PictureSize size() const override { return size_; }
+  ImageSize size() const override { return size_; }
   double rateHz() const override { return rate_hz_; }
 
  private:
@@ -219,12 +219,12 @@ class VideoFileSource : public PacedSource {
     return true;
   }
 
-  bool step(LivePicture& picture) override {
+  bool step(LiveImage& image) override {
     if (!grabbed_ && !video_.grab()) return false;
     grabbed_ = false;
-    picture.size = size_;
-    picture.bgr.resize(3 * std::size_t(size_.width) * std::size_t(size_.height));
-    cv::Mat target(size_.height, size_.width, CV_8UC3, picture.bgr.data());
+    image.size = size_;
+    image.bgr.resize(3 * std::size_t(size_.width) * std::size_t(size_.height));
+    cv::Mat target(size_.height, size_.width, CV_8UC3, image.bgr.data());
     cv::Mat decoded = target;  // the decoder writes into it when size and type are as they should be
     if (!video_.retrieve(decoded) || decoded.size() != target.size() || decoded.type() != target.type())
       throw Error(where(camera_) +
@@ -235,13 +235,13 @@ class VideoFileSource : public PacedSource {
   }
 
   cv::VideoCapture video_;
-  PictureSize size_;
+  ImageSize size_;
   double rate_hz_ = kDefaultRateHz;
   bool grabbed_ = false;  ///< the next frame has been decoded
 };
 
-/// The pictures that a pattern stands for: those numbers that there are, in their order.
-std::vector<std::filesystem::path> picturesOf(const std::filesystem::path& pattern) {
+/// The images that a pattern stands for: those numbers that there are, in their order.
+std::vector<std::filesystem::path> imagesOf(const std::filesystem::path& pattern) {
   const std::string name = pattern.filename().string();
   const std::size_t percent = name.find('%'), end = name.find('d', percent);
   const std::string before = name.substr(0, percent), after = name.substr(end + 1);
@@ -262,22 +262,22 @@ std::vector<std::filesystem::path> picturesOf(const std::filesystem::path& patte
   return files;
 }
 
-class PicturesSource : public PacedSource {
+class ImagesSource : public PacedSource {
  public:
-  PicturesSource(const NamedSource& camera, const SourceOptions& options)
+  ImagesSource(const NamedSource& camera, const SourceOptions& options)
       : PacedSource(camera, options.loop), rate_hz_(saneRate(options.rate_hz.value_or(kDefaultRateHz))) {
     const std::filesystem::path place = camera.source.text;
     if (std::filesystem::is_directory(place))
-      for (const auto& [number, file] : numberedPictures(place)) files_.push_back(file);
+      for (const auto& [number, file] : numberedImages(place)) files_.push_back(file);
     else
-      files_ = picturesOf(place);
+      files_ = imagesOf(place);
     if (files_.empty())
       throw Error(where(camera) +
-                  "there are no such pictures; a folder of 000000.png (or .jpg) and on, or a pattern as "
+                  "there are no such images; a folder of 000000.png (or .jpg) and on, or a pattern as "
                   "img_%04d.png, would be right");
-    size_ = pictureSize(files_.front());
+    size_ = imageSize(files_.front());
   }
-  PictureSize size() const override { return size_; }
+  ImageSize size() const override { return size_; }
   double rateHz() const override { return rate_hz_; }
 
  private:
@@ -285,13 +285,13 @@ class PicturesSource : public PacedSource {
     next_ = 0;
     return true;
   }
-  bool step(LivePicture& picture) override {
+  bool step(LiveImage& image) override {
     if (next_ >= files_.size()) return false;
     const std::filesystem::path& file = files_[next_++];
-    picture.size = size_;
-    picture.bgr.resize(3 * std::size_t(size_.width) * std::size_t(size_.height));
+    image.size = size_;
+    image.bgr.resize(3 * std::size_t(size_.width) * std::size_t(size_.height));
     try {
-      readPicture(file, size_, PixelForm::kBgr8, picture.bgr);
+      readImage(file, size_, PixelFormat::kBgr8, image.bgr);
     } catch (const Error& error) {
       throw Error(where(camera_) + error.what());
     }
@@ -300,7 +300,7 @@ class PicturesSource : public PacedSource {
 
   std::vector<std::filesystem::path> files_;
   std::size_t next_ = 0;
-  PictureSize size_;
+  ImageSize size_;
   double rate_hz_;
 };
 
@@ -312,8 +312,8 @@ std::unique_ptr<CameraSource> openSource(const NamedSource& camera, const Source
   switch (camera.source.kind) {
     case SourceKind::kVideo:
       return std::make_unique<VideoFileSource>(camera, options.loop);
-    case SourceKind::kPictures:
-      return std::make_unique<PicturesSource>(camera, options);
+    case SourceKind::kImages:
+      return std::make_unique<ImagesSource>(camera, options);
     case SourceKind::kPipeline:
       return openGStreamerSource(camera);
     default:

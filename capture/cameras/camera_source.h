@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where a live camera's pictures come from: a device, a file played as if it were one, a stream, a pipeline.
+// Where a live camera's images come from: a device, a file played as if it were one, a stream, a pipeline.
 #pragma once
 
 #include <deque>
@@ -17,7 +17,7 @@ namespace airclay {
 enum class SourceKind {
   kDevice,    ///< 0, /dev/video0: Video4Linux (untested on hardware: where this was written there was none)
   kVideo,     ///< a video file, played at its own rate
-  kPictures,  ///< a folder of numbered pictures, or a pattern as img_%04d.png
+  kImages,  ///< a folder of numbered images, or a pattern as img_%04d.png
   kStream,    ///< rtsp://…, http://… (also MJPEG, as telephones serve it), tcp://…, udp://…
   kPipeline,  ///< GStreamer: "gst: videotestsrc", or any words with a '!' between them
 };
@@ -43,7 +43,7 @@ NamedSource parseNamedSource(const std::string& words);
 
 /// What a device is asked for; one that can't says so, except for the rate, which a device may round.
 struct SourceOptions {
-  std::optional<PictureSize> size;
+  std::optional<ImageSize> size;
   std::optional<double> rate_hz;
   std::string format;  ///< four letters: MJPG, YUYV; empty: as the device has it
   std::optional<double>
@@ -56,24 +56,24 @@ struct SourceOptions {
 enum class TimeOrigin {
   kBuffer,   ///< the driver says when the buffer was filled
   kFile,     ///< frame k of a file is at k / its rate
-  kArrival,  ///< when the picture came, its jitter taken off (ArrivalClock)
+  kArrival,  ///< when the image came, its jitter taken off (ArrivalClock)
 };
 
 /// The same in words: "buffer times", "the file's rate", "arrival, delay unknown".
 const char* wordsOn(TimeOrigin origin);
 
-/// One picture: BGR, 3 bytes a pixel, tightly packed, rows from the top.
-struct LivePicture {
-  PictureSize size;
+/// One image: BGR, 3 bytes a pixel, tightly packed, rows from the top.
+struct LiveImage {
+  ImageSize size;
   std::vector<std::uint8_t> bgr;
 };
 
-/// Delivers pictures one after another. All but stop() belong to one thread.
+/// Delivers images one after another. All but stop() belong to one thread.
 class CameraSource {
  public:
   virtual ~CameraSource() = default;
 
-  virtual PictureSize size() const = 0;
+  virtual ImageSize size() const = 0;
   virtual double rateHz() const = 0;  ///< as the source declares it; 30 where it doesn't
   virtual TimeOrigin times() const = 0;
 
@@ -81,10 +81,10 @@ class CameraSource {
   /// that files that were begun apart stay in step. Others begin by themselves.
   virtual void begin(Clock::time_point /*start*/) {}
 
-  /// Waits for the next picture. `capture_s` is when it was taken, in seconds of the machine's monotonic
+  /// Waits for the next image. `capture_s` is when it was taken, in seconds of the machine's monotonic
   /// clock (Clock, CLOCK_MONOTONIC). False when a file has ended, or after stop(). \throw Error naming camera
-  /// and source when no picture comes any more.
-  virtual bool read(LivePicture& picture, double& capture_s) = 0;
+  /// and source when no image comes any more.
+  virtual bool read(LiveImage& image, double& capture_s) = 0;
 
   /// From any thread: a read that waits for a file's next frame returns. One that waits for a device or a
   /// network returns when that gives up, after some seconds.

@@ -20,7 +20,7 @@ namespace airclay {
 /// What one camera saw of the motion, on its own clock. Frames without the hand are left out.
 struct MotionSeries {
   std::vector<double> times_s;    ///< growing
-  std::vector<Vec2> centroid_px;  ///< of the silhouette, in the raw, distorted picture; one a time
+  std::vector<Vec2> centroid_px;  ///< of the silhouette, in the raw, distorted image; one a time
 };
 
 struct ClockOffsets {

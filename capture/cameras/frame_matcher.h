@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Puts the frames of several cameras together by the times at which they were taken. Knows no pictures,
+// Puts the frames of several cameras together by the times at which they were taken. Knows no images,
 // threads or clocks: who feeds it times can tell exactly what comes out.
 //
 // A *set* is one frame of each camera whose times differ by at most the allowed skew. A camera that is

@@ -24,13 +24,13 @@ namespace airclay {
 void startGStreamer(std::initializer_list<NeededElement> elements) {
   gst_init(nullptr, nullptr);
   for (const NeededElement& element : elements)
-    if (!Held<GstElementFactory>(gst_element_factory_find(element.name)))
+    if (!GObjectPtr<GstElementFactory>(gst_element_factory_find(element.name)))
       throw Error(std::string("GStreamer has no element ") + element.name + "; the package " +
                   element.package + ", installed, would be right");
 }
 
-Held<GstElement> elementOf(GstElement* pipeline, const char* name) {
-  return Held<GstElement>(gst_bin_get_by_name_recurse_up(GST_BIN(pipeline), name));
+GObjectPtr<GstElement> elementOf(GstElement* pipeline, const char* name) {
+  return GObjectPtr<GstElement>(gst_bin_get_by_name_recurse_up(GST_BIN(pipeline), name));
 }
 
 }  // namespace airclay

@@ -9,7 +9,7 @@
 
 namespace airclay {
 
-struct Unref {
+struct GObjectDeleter {
   void operator()(gpointer object) const { g_object_unref(object); }
   void operator()(GSource* source) const { g_source_unref(source); }
   void operator()(GstSample* sample) const { gst_sample_unref(sample); }
@@ -17,7 +17,7 @@ struct Unref {
 };
 /// Owns one reference.
 template <typename T>
-using Held = std::unique_ptr<T, Unref>;
+using GObjectPtr = std::unique_ptr<T, GObjectDeleter>;
 
 struct NeededElement {
   const char* name;
@@ -27,6 +27,6 @@ struct NeededElement {
 void startGStreamer(std::initializer_list<NeededElement> elements);
 
 /// The element of this name in a pipeline that has one.
-Held<GstElement> elementOf(GstElement* pipeline, const char* name);
+GObjectPtr<GstElement> elementOf(GstElement* pipeline, const char* name);
 
 }  // namespace airclay

@@ -20,19 +20,19 @@ namespace {
 constexpr double kOpenS = 4, kReadS = 2;
 // How long a wait is before faults, and the wish to stop, are looked for.
 constexpr double kLookAgainS = 0.05;
-// Where the stream does not say its rate, so many pictures do.
-constexpr std::size_t kPicturesForRate = 10;
+// Where the stream does not say its rate, so many images do.
+constexpr std::size_t kImagesForRate = 10;
 constexpr double kDefaultRateHz = 30;
 
-// The times are those of the stream, as they stand; hardware's decoders need drivers, and hold pictures back.
+// The times are those of the stream, as they stand; hardware's decoders need drivers, and hold images back.
 constexpr const char* kRtsp =
     "rtspsrc name=stream protocols=tcp latency=0 buffer-mode=none ! decodebin force-sw-decoders=true";
-// Whatever a pipeline ends in, we take from it the newest picture as BGR.
+// Whatever a pipeline ends in, we take from it the newest image as BGR.
 constexpr const char* kEnd =
     " ! videoconvert ! video/x-raw,format=BGR ! appsink max-buffers=1 drop=true sync=false";
 
 /// \throw Error with `before` in front
-Held<GstElement> pipelineFrom(const std::string& words, const std::string& before) {
+GObjectPtr<GstElement> pipelineFrom(const std::string& words, const std::string& before) {
   GError* error = nullptr;
   GstElement* const made = gst_parse_launch_full(words.c_str(), nullptr, GST_PARSE_FLAG_FATAL_ERRORS, &error);
   const std::string fault = error ? error->message : "";
@@ -40,16 +40,16 @@ Held<GstElement> pipelineFrom(const std::string& words, const std::string& befor
   if (!made)
     throw Error(before + "the GStreamer pipeline cannot be run (" + fault +
                 "); words that gst-launch-1.0 runs, with their plugins installed, would be right");
-  return Held<GstElement>(GST_ELEMENT(gst_object_ref_sink(made)));
+  return GObjectPtr<GstElement>(GST_ELEMENT(gst_object_ref_sink(made)));
 }
 
-/// The first sink through which a program takes pictures; none when there is none.
-Held<GstElement> appsinkOf(GstElement* pipeline) {
-  if (GST_IS_APP_SINK(pipeline)) return Held<GstElement>(GST_ELEMENT(g_object_ref(pipeline)));
+/// The first sink through which a program takes images; none when there is none.
+GObjectPtr<GstElement> appsinkOf(GstElement* pipeline) {
+  if (GST_IS_APP_SINK(pipeline)) return GObjectPtr<GstElement>(GST_ELEMENT(g_object_ref(pipeline)));
   if (!GST_IS_BIN(pipeline)) return nullptr;
   GstIterator* const all = gst_bin_iterate_all_by_element_factory_name(GST_BIN(pipeline), "appsink");
   GValue value = G_VALUE_INIT;
-  Held<GstElement> found;
+  GObjectPtr<GstElement> found;
   if (gst_iterator_next(all, &value) == GST_ITERATOR_OK) found.reset(GST_ELEMENT(g_value_dup_object(&value)));
   g_value_unset(&value);
   gst_iterator_free(all);
@@ -67,8 +67,8 @@ class GStreamerSource : public CameraSource {
       startGStreamer({{"rtspsrc", "gstreamer1.0-plugins-good"}, {"avdec_h264", "gstreamer1.0-libav"}});
     const std::string words = rtsp ? kRtsp : camera.source.text;
     pipeline_ = pipelineFrom(words.find("appsink") == std::string::npos ? words + kEnd : words, where_);
-    pictures_ = appsinkOf(pipeline_.get());
-    if (!pictures_)
+    images_ = appsinkOf(pipeline_.get());
+    if (!images_)
       throw Error(where_ + "the GStreamer pipeline has no appsink; one, or none at all, would be right");
     if (rtsp) prepareStream(camera.source.text);
     try {
@@ -80,15 +80,15 @@ class GStreamerSource : public CameraSource {
   }
   ~GStreamerSource() override { gst_element_set_state(pipeline_.get(), GST_STATE_NULL); }
 
-  PictureSize size() const override { return size_; }
+  ImageSize size() const override { return size_; }
   double rateHz() const override { return rate_hz_; }
   TimeOrigin times() const override { return TimeOrigin::kArrival; }
 
-  bool read(LivePicture& picture, double& capture_s) override {
-    const Held<GstSample> sample = next(kReadS);
+  bool read(LiveImage& image, double& capture_s) override {
+    const GObjectPtr<GstSample> sample = next(kReadS);
     if (stopped_) return false;
     if (!sample)
-      throw Error(where_ + "no picture comes any more (unplugged, ended, or the network is gone" + fault_ +
+      throw Error(where_ + "no image comes any more (unplugged, ended, or the network is gone" + fault_ +
                   ")");
     const double arrival_s = secondsNow();
     const GstClockTime time = GST_BUFFER_PTS(gst_sample_get_buffer(sample.get()));
@@ -96,14 +96,14 @@ class GStreamerSource : public CameraSource {
     const bool grows = GST_CLOCK_TIME_IS_VALID(time) && time > last_;
     capture_s = grows ? clock_.captureOf(arrival_s, double(time) * 1e-9) : arrival_s;
     if (GST_CLOCK_TIME_IS_VALID(time)) last_ = time;
-    copy(sample.get(), picture);
+    copy(sample.get(), image);
     return true;
   }
   void stop() override { stopped_ = true; }
 
  private:
   void prepareStream(const std::string& address) {
-    const Held<GstElement> stream = elementOf(pipeline_.get(), "stream");
+    const GObjectPtr<GstElement> stream = elementOf(pipeline_.get(), "stream");
     g_object_set(stream.get(), "location", address.c_str(), nullptr);
     // a camera's microphone would take the decoder's place
     g_signal_connect(stream.get(), "select-stream",
@@ -112,7 +112,7 @@ class GStreamerSource : public CameraSource {
                        return media && std::strcmp(media, "video") == 0;
                      }),
                      nullptr);
-    // who comes between two whole pictures waits for the next one: what is decoded without it is a grey smear
+    // who comes between two whole images waits for the next one: what is decoded without it is a grey smear
     g_signal_connect(pipeline_.get(), "deep-element-added",
                      G_CALLBACK(+[](GstBin*, GstBin*, GstElement* element, gpointer) {
                        if (g_object_class_find_property(G_OBJECT_GET_CLASS(element), "output-corrupt"))
@@ -123,13 +123,13 @@ class GStreamerSource : public CameraSource {
 
   void open(bool rtsp) {
     gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING);
-    const Held<GstSample> first = next(kOpenS);
+    const GObjectPtr<GstSample> first = next(kOpenS);
     const std::string why = fault_.empty() ? "" : " (" + fault_.substr(2) + ")";
     if (!first && rtsp)
       throw Error(where_ + "no stream answers there" + why +
                   "; the address of a camera or server that is running would be right");
     if (!first)
-      throw Error(where_ + "the GStreamer pipeline gives no picture" + why +
+      throw Error(where_ + "the GStreamer pipeline gives no image" + why +
                   "; words that gst-launch-1.0 runs, with their plugins installed, would be right");
     const GstVideoInfo info = infoOf(first.get());
     size_ = {info.width, info.height};
@@ -139,27 +139,27 @@ class GStreamerSource : public CameraSource {
 
   double measuredRate() {
     std::vector<double> periods_s;
-    for (std::optional<double> before_s; periods_s.size() < kPicturesForRate;) {
-      const Held<GstSample> sample = next(kReadS);
+    for (std::optional<double> before_s; periods_s.size() < kImagesForRate;) {
+      const GObjectPtr<GstSample> sample = next(kReadS);
       if (!sample) break;
       const double time_s = double(GST_BUFFER_PTS(gst_sample_get_buffer(sample.get()))) * 1e-9;
       if (before_s && time_s > *before_s) periods_s.push_back(time_s - *before_s);
       before_s = time_s;
     }
-    if (periods_s.size() < kPicturesForRate) return kDefaultRateHz;
+    if (periods_s.size() < kImagesForRate) return kDefaultRateHz;
     return std::clamp(1 / median(std::move(periods_s)), 1.0, 1000.0);
   }
 
-  /// The next picture; none when there is none so long, or no more, or after stop(). `fault_` says why, where
+  /// The next image; none when there is none so long, or no more, or after stop(). `fault_` says why, where
   /// that is known.
-  Held<GstSample> next(double wait_s) {
+  GObjectPtr<GstSample> next(double wait_s) {
     const double until_s = secondsNow() + wait_s;
-    const Held<GstBus> bus(gst_element_get_bus(pipeline_.get()));
+    const GObjectPtr<GstBus> bus(gst_element_get_bus(pipeline_.get()));
     while (!stopped_ && secondsNow() < until_s) {
-      if (Held<GstSample> sample{gst_app_sink_try_pull_sample(GST_APP_SINK(pictures_.get()),
+      if (GObjectPtr<GstSample> sample{gst_app_sink_try_pull_sample(GST_APP_SINK(images_.get()),
                                                               GstClockTime(kLookAgainS * GST_SECOND))})
         return sample;
-      const Held<GstMessage> message(
+      const GObjectPtr<GstMessage> message(
           gst_bus_pop_filtered(bus.get(), GstMessageType(GST_MESSAGE_ERROR | GST_MESSAGE_EOS)));
       if (!message) continue;
       if (GST_MESSAGE_TYPE(message.get()) == GST_MESSAGE_ERROR) {
@@ -183,32 +183,32 @@ class GStreamerSource : public CameraSource {
     if (!gst_video_info_from_caps(&info, gst_sample_get_caps(sample)) ||
         GST_VIDEO_INFO_FORMAT(&info) != GST_VIDEO_FORMAT_BGR)
       throw Error(where_ +
-                  "the pictures are not BGR; videoconvert ! video/x-raw,format=BGR before the appsink "
+                  "the images are not BGR; videoconvert ! video/x-raw,format=BGR before the appsink "
                   "would be right");
     return info;
   }
 
-  void copy(GstSample* sample, LivePicture& picture) const {
+  void copy(GstSample* sample, LiveImage& image) const {
     GstVideoInfo info = infoOf(sample);
-    picture.size = {info.width, info.height};
-    if (picture.size != size_)
-      throw Error(where_ + "the picture's size changed to " + std::to_string(info.width) + " x " +
+    image.size = {info.width, info.height};
+    if (image.size != size_)
+      throw Error(where_ + "the image's size changed to " + std::to_string(info.width) + " x " +
                   std::to_string(info.height) + "; one size throughout would be right");
     GstVideoFrame frame;
     if (!gst_video_frame_map(&frame, &info, gst_sample_get_buffer(sample), GST_MAP_READ))
-      throw Error(where_ + "a picture cannot be read");
+      throw Error(where_ + "a image cannot be read");
     const std::size_t row = 3 * std::size_t(info.width);
-    picture.bgr.resize(row * std::size_t(info.height));
+    image.bgr.resize(row * std::size_t(info.height));
     const auto* const pixels = static_cast<const std::uint8_t*>(GST_VIDEO_FRAME_PLANE_DATA(&frame, 0));
     for (std::size_t y = 0; y < std::size_t(info.height); ++y)
-      std::memcpy(&picture.bgr[row * y], pixels + y * std::size_t(GST_VIDEO_FRAME_PLANE_STRIDE(&frame, 0)),
+      std::memcpy(&image.bgr[row * y], pixels + y * std::size_t(GST_VIDEO_FRAME_PLANE_STRIDE(&frame, 0)),
                   row);
     gst_video_frame_unmap(&frame);
   }
 
   std::string where_;
-  Held<GstElement> pipeline_, pictures_;
-  PictureSize size_;
+  GObjectPtr<GstElement> pipeline_, images_;
+  ImageSize size_;
   double rate_hz_ = kDefaultRateHz;
   ArrivalClock clock_;
   GstClockTime last_ = 0;

@@ -25,7 +25,7 @@ constexpr double kLagFades = 0.99, kLagMarginS = 0.05;
 // One that lags more is named late, and not waited for.
 constexpr double kMostPatienceS = 5;
 // What waits to be matched, a camera: for sculpting the newest counts; for recording up to a second, so that
-// a disk may stutter. All cameras' pictures together take no more than so many bytes, if that leaves four
+// a disk may stutter. All cameras' images together take no more than so many bytes, if that leaves four
 // each.
 constexpr std::size_t kNewestFrames = 8, kEveryFrames = 30, kLeastFrames = 4;
 constexpr std::size_t kMostBytes = 512u << 20;
@@ -33,7 +33,7 @@ constexpr std::size_t kMostBytes = 512u << 20;
 constexpr double kEndS = 0.7;
 constexpr double kLookAgainS = 0.02;
 
-std::string inWords(PictureSize size) {
+std::string describe(ImageSize size) {
   return std::to_string(size.width) + " x " + std::to_string(size.height) + " pixels";
 }
 
@@ -59,7 +59,7 @@ struct LiveCameras::Shared {
   void run(std::size_t index, std::unique_ptr<CameraSource> source);
   std::unique_ptr<CameraSource> reopen(std::size_t index);
   void readAll(std::size_t index, CameraSource& source);
-  void deliver(std::size_t index, LivePicture picture, double capture_s);
+  void deliver(std::size_t index, LiveImage image, double capture_s);
 
   // under the lock
   void trim(std::size_t index);
@@ -82,7 +82,7 @@ void LiveCameras::Shared::run(std::size_t index, std::unique_ptr<CameraSource> s
       }
       const std::lock_guard lock(mutex);
       feed.reading = nullptr;
-      feed.trouble = ended ? CameraState::kEnded : CameraState::kLost;
+      feed.camera_problem = ended ? CameraState::kEnded : CameraState::kLost;
       if (!ended) feed.fault = fault;
       changed.notify_all();
     }
@@ -90,7 +90,7 @@ void LiveCameras::Shared::run(std::size_t index, std::unique_ptr<CameraSource> s
     std::unique_lock lock(mutex);
     if (!ended) changed.wait_for(lock, std::chrono::duration<double>(kReopenS), [&] { return stopping; });
     if (stopping || ended) break;
-    feed.trouble = CameraState::kReconnecting;
+    feed.camera_problem = CameraState::kReconnecting;
     lock.unlock();
     source = reopen(index);
   }
@@ -106,8 +106,8 @@ std::unique_ptr<CameraSource> LiveCameras::Shared::reopen(std::size_t index) {
   try {
     source = feed.camera.open();
     if (source->size() != feed.size) {
-      fault = "camera \"" + feed.camera.name + "\" came back with " + inWords(source->size()) + "; " +
-              inWords(feed.size) + ", as before, would be right";
+      fault = "camera \"" + feed.camera.name + "\" came back with " + describe(source->size()) + "; " +
+              describe(feed.size) + ", as before, would be right";
       source.reset();
     }
   } catch (const std::exception& error) {
@@ -118,7 +118,7 @@ std::unique_ptr<CameraSource> LiveCameras::Shared::reopen(std::size_t index) {
     feed.fault = fault;
     return nullptr;
   }
-  feed.trouble = CameraState::kLive;
+  feed.camera_problem = CameraState::kLive;
   feed.opened_s = feed.same_since_s = secondsNow();
   ++feed.opened;
   return source;
@@ -131,19 +131,19 @@ void LiveCameras::Shared::readAll(std::size_t index, CameraSource& source) {
     feeds[index].reading = &source;
   }
   source.begin(start);
-  LivePicture picture;
-  for (double capture_s = 0; source.read(picture, capture_s); picture = {}) {
+  LiveImage image;
+  for (double capture_s = 0; source.read(image, capture_s); image = {}) {
     {
       const std::lock_guard lock(mutex);
       if (stopping) return;
       feeds[index].times = source.times();  // a driver's times may have turned out to be of no use
     }
-    deliver(index, std::move(picture), capture_s);
+    deliver(index, std::move(image), capture_s);
   }
 }
 
-void LiveCameras::Shared::deliver(std::size_t index, LivePicture picture, double capture_s) {
-  const std::uint64_t print = fingerprint(picture.bgr);
+void LiveCameras::Shared::deliver(std::size_t index, LiveImage image, double capture_s) {
+  const std::uint64_t print = fingerprint(image.bgr);
   const double now_s = secondsNow();
   const std::lock_guard lock(mutex);
   Feed& feed = feeds[index];
@@ -158,7 +158,7 @@ void LiveCameras::Shared::deliver(std::size_t index, LivePicture picture, double
   feed.arrivals_s.push_back(now_s);
   while (now_s - feed.arrivals_s.front() > kRateWindowS) feed.arrivals_s.pop_front();
   const std::uint64_t id = feed.frames++;
-  feed.kept.push_back({id, std::move(picture), Clock::now()});
+  feed.kept.push_back({id, std::move(image), Clock::now()});
   matcher.expect(index, !feed.isStuck(now_s));
   matcher.add(index, capture_s, id);
   trim(index);
@@ -200,7 +200,7 @@ LiveSet LiveCameras::Shared::take(const FrameMatcher::Set& match) {
   set.camera_times_s = match.times_s;
   set.skew_s = match.skew_s;
   set.complete = match.complete;
-  set.pictures.resize(feeds.size());
+  set.images.resize(feeds.size());
   int count = 0;
   for (const double time_s : match.times_s)
     if (!std::isnan(time_s)) set.time_s += time_s, ++count;
@@ -210,7 +210,7 @@ LiveSet LiveCameras::Shared::take(const FrameMatcher::Set& match) {
     feeds[c].skew_s = match.times_s[c] - set.time_s;
     for (Feed::Kept& kept : feeds[c].kept)
       if (kept.id == *match.ids[c]) {
-        set.pictures[c] = std::move(kept.picture);
+        set.images[c] = std::move(kept.image);
         set.arrived_at = std::max(set.arrived_at, kept.arrived_at);
       }
     trim(c);
@@ -222,7 +222,7 @@ LiveSet LiveCameras::Shared::take(const FrameMatcher::Set& match) {
 bool LiveCameras::Shared::isOver(double now_s) const {
   double last_s = -std::numeric_limits<double>::infinity();
   for (const Feed& feed : feeds) {
-    if (feed.trouble != CameraState::kEnded) return false;
+    if (feed.camera_problem != CameraState::kEnded) return false;
     last_s = std::max(last_s, feed.last_capture_s);
   }
   const bool patient = sets == LiveOptions::Sets::kEvery || now_s - last_s <= 2 * patience_s;
@@ -238,7 +238,7 @@ LiveCameras::LiveCameras(std::vector<LiveCamera> cameras, const LiveOptions& opt
   for (const LiveCamera& camera : cameras) {
     sources.push_back(camera.open());
     slowest_hz = std::min(slowest_hz, sources.back()->rateHz());
-    const PictureSize size = sources.back()->size();
+    const ImageSize size = sources.back()->size();
     bytes += 3 * std::size_t(size.width) * std::size_t(size.height);
   }
   const bool every = options.sets == LiveOptions::Sets::kEvery;
@@ -298,7 +298,7 @@ std::optional<LiveSet> LiveCameras::next(double wait_s) {
     if (const auto match = every ? shared.matcher.next(now_s) : shared.matcher.newest(now_s))
       return shared.take(*match);
     if (now_s >= until_s || shared.isOver(now_s)) return std::nullopt;
-    // States and patience are matters of time: look now and then, also when no picture comes.
+    // States and patience are matters of time: look now and then, also when no image comes.
     shared.changed.wait_for(lock, std::chrono::duration<double>(std::min(until_s - now_s, kLookAgainS)));
   }
 }
@@ -388,10 +388,10 @@ std::vector<NamedSource> inOrderOf(const Rig& rig, const std::vector<NamedSource
 void checkSizes(const Rig& rig, const LiveCameras& cameras) {
   const std::vector<CameraStatus> all = cameras.status();
   for (std::size_t c = 0; c < all.size() && c < rig.cameras.size(); ++c) {
-    const PictureSize right{rig.cameras[c].width, rig.cameras[c].height};
+    const ImageSize right{rig.cameras[c].width, rig.cameras[c].height};
     if (all[c].size != right)
-      throw Error("camera \"" + all[c].name + "\" gives " + inWords(all[c].size) + "; the rig's " +
-                  inWords(right) + " would be right");
+      throw Error("camera \"" + all[c].name + "\" gives " + describe(all[c].size) + "; the rig's " +
+                  describe(right) + " would be right");
   }
 }
 

@@ -35,26 +35,26 @@ struct LiveOptions {
   /// Frames of a set are at most so far apart. None: half a period of the slowest camera; for kEvery, which
   /// keeps every frame's time, a whole one.
   std::optional<double> max_skew_s;
-  /// How long a set waits for a camera that is late, at least; where a camera's pictures usually need longer
+  /// How long a set waits for a camera that is late, at least; where a camera's images usually need longer
   /// to get here, so long, up to 5 s. None: 0.1 s; for kEvery 0.5 s.
   std::optional<double> patience_s;
 };
 
-/// The pictures of one instant.
+/// The images of one instant.
 struct LiveSet {
-  std::vector<LivePicture> pictures;  ///< one a camera; empty where the camera is missing
+  std::vector<LiveImage> images;  ///< one a camera; empty where the camera is missing
   std::vector<double>
       camera_times_s;            ///< capture times (camera_source.h), offsets applied; NaN where missing
   double time_s = 0;             ///< their mean
   double skew_s = 0;             ///< latest - earliest
   bool complete = false;         ///< no camera is missing; else at least two are there
-  Clock::time_point arrived_at;  ///< when the last of its pictures was decoded
+  Clock::time_point arrived_at;  ///< when the last of its images was decoded
 };
 
 enum class CameraState {
   kLive,
   kLate,          ///< slower than 80 % of its rate, or behind the others
-  kFrozen,        ///< no picture for half a second, or the same bytes for two; its pictures are not used
+  kFrozen,        ///< no image for half a second, or the same bytes for two; its images are not used
   kLost,          ///< reading failed just now
   kReconnecting,  ///< it is opened again, once a second
   kEnded,         ///< the file is over
@@ -65,7 +65,7 @@ const char* wordsOn(CameraState state);
 struct CameraStatus {
   std::string name;
   CameraState state = CameraState::kLive;
-  PictureSize size;
+  ImageSize size;
   double rate_hz = 0;      ///< as the source declares it
   double measured_hz = 0;  ///< of the last two seconds
   TimeOrigin times = TimeOrigin::kArrival;
@@ -114,7 +114,7 @@ class LiveCameras {
 /// The sources in the rig's order. \throw Error (Fault::kUsage) naming a camera of the rig that has none, or
 /// a source that is no camera of the rig.
 std::vector<NamedSource> inOrderOf(const Rig& rig, const std::vector<NamedSource>& sources);
-/// \throw Error naming a camera whose pictures are not of the rig's size. \pre the rig's order
+/// \throw Error naming a camera whose images are not of the rig's size. \pre the rig's order
 void checkSizes(const Rig& rig, const LiveCameras& cameras);
 
 }  // namespace airclay

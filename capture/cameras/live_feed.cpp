@@ -9,10 +9,10 @@ namespace {
 
 // A camera that is silent for so long is frozen: at 1 m/s the hand is elsewhere by half a metre.
 constexpr double kFrozenS = 0.5;
-// A sensor's noise makes every picture another; the same bytes for so long come from a stuck driver.
-constexpr double kSamePictureS = 2;
-// A camera may take so long to give its first picture.
-constexpr double kFirstPictureS = 3;
+// A sensor's noise makes every image another; the same bytes for so long come from a stuck driver.
+constexpr double kSameImageS = 2;
+// A camera may take so long to give its first image.
+constexpr double kFirstImageS = 3;
 // Below this share of its rate a camera is late.
 constexpr double kLateShare = 0.8;
 
@@ -23,19 +23,19 @@ double Feed::measuredHz(double now_s) const {
                                   [&](double arrival_s) { return now_s - arrival_s <= kRateWindowS; });
   const auto count = arrivals_s.end() - first;
   if (count < 2) return 0;
-  // Since its last picture, too, time has passed: the rate of a camera that stops falls.
+  // Since its last image, too, time has passed: the rate of a camera that stops falls.
   const double silent_s = std::max(0.0, now_s - arrivals_s.back() - 1 / rate_hz);
   return static_cast<double>(count - 1) / (arrivals_s.back() - *first + silent_s);
 }
 
 bool Feed::isStuck(double now_s) const {
-  return times != TimeOrigin::kFile && frames > 0 && now_s - same_since_s > kSamePictureS;
+  return times != TimeOrigin::kFile && frames > 0 && now_s - same_since_s > kSameImageS;
 }
 
 CameraState Feed::stateAt(double now_s, double others_capture_s) const {
-  if (trouble != CameraState::kLive) return trouble;
+  if (camera_problem != CameraState::kLive) return camera_problem;
   const bool has_come = !arrivals_s.empty() && arrivals_s.back() >= opened_s;
-  if (!has_come) return now_s - opened_s > kFirstPictureS ? CameraState::kFrozen : CameraState::kLive;
+  if (!has_come) return now_s - opened_s > kFirstImageS ? CameraState::kFrozen : CameraState::kLive;
   const double silent_s = now_s - arrivals_s.back();
   if (silent_s > std::max(kFrozenS, 2.5 / rate_hz) || isStuck(now_s)) return CameraState::kFrozen;
   const bool rate_known = now_s - opened_s > kRateWindowS;

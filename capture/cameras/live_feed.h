@@ -16,18 +16,18 @@ inline constexpr double kRateWindowS = 2;
 struct Feed {
   struct Kept {
     std::uint64_t id;
-    LivePicture picture;
+    LiveImage image;
     Clock::time_point arrived_at;
   };
   LiveCamera camera;
-  PictureSize size;
+  ImageSize size;
   double rate_hz = 30;
   TimeOrigin times = TimeOrigin::kArrival;
 
-  CameraState trouble = CameraState::kLive;  ///< kLost, kReconnecting, kEnded, or none
+  CameraState camera_problem = CameraState::kLive;  ///< kLost, kReconnecting, kEnded, or none
   bool done = false;                         ///< its thread has ended
   CameraSource* reading = nullptr;           ///< what its thread reads from now
-  std::deque<Kept> kept;                     ///< pictures whose frames wait in the matcher
+  std::deque<Kept> kept;                     ///< images whose frames wait in the matcher
   std::uint64_t frames = 0, gaps = 0;
   int opened = 0;
   double opened_s = 0;
@@ -46,7 +46,7 @@ struct Feed {
   CameraStatus statusAt(double now_s) const;
 };
 
-/// Tells equal pictures from others.
+/// Tells equal images from others.
 std::uint64_t fingerprint(const std::vector<std::uint8_t>& bytes);
 
 }  // namespace airclay

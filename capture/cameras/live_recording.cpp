@@ -37,35 +37,35 @@ std::optional<Clock::time_point> LiveRecording::capturedAt() const {
       std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(*first_s_ + time_s_)));
 }
 
-bool LiveRecording::readPictures(int frame, Buffers bgr) {
+bool LiveRecording::readImages(int frame, Buffers bgr) {
   const std::optional<LiveSet> set = cameras_.next(kLookUpS);
   if (!set || (!set->complete && frame < background_frames_)) return false;
   if (!first_s_) first_s_ = set->time_s;
   time_s_ = set->time_s - *first_s_;
   camera_times_s_.clear();
-  absent_ = 0;
+  missing_cameras_ = 0;
   for (std::size_t c = 0; c < bgr.size(); ++c) {
-    const std::vector<std::uint8_t>& picture = set->pictures[c].bgr;
+    const std::vector<std::uint8_t>& image = set->images[c].bgr;
     const bool there =
-        picture.size() == bgr[c].size();  // another size: it was opened again as something else
+        image.size() == bgr[c].size();  // another size: it was opened again as something else
     if (there)
-      std::copy(picture.begin(), picture.end(), bgr[c].begin());
+      std::copy(image.begin(), image.end(), bgr[c].begin());
     else
       std::fill(bgr[c].begin(), bgr[c].end(), std::uint8_t(0));
-    if (!there) absent_ |= 1u << c;
+    if (!there) missing_cameras_ |= 1u << c;
     camera_times_s_.push_back((there ? set->camera_times_s[c] : set->time_s) - *first_s_);
   }
   ++taken_;
   return true;
 }
 
-std::vector<std::string> LiveRecording::troubles() const {
+std::vector<std::string> LiveRecording::camera_problems() const {
   std::vector<std::string> lines;
   for (const CameraStatus& camera : cameras_.status())
     if (camera.state != CameraState::kLive && camera.state != CameraState::kEnded)
       lines.push_back(camera.name + ": " + wordsOn(camera.state));
   if (const std::optional<double> skew = cameras_.refusedSkew())
-    lines.push_back("pictures " + std::to_string(std::lround(1000 * *skew)) +
+    lines.push_back("images " + std::to_string(std::lround(1000 * *skew)) +
                     " ms apart: a larger --max-skew-ms");
   return lines;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Cameras that run, as something that can be tracked: the newest set of pictures is the next frame.
+// Cameras that run, as something that can be tracked: the newest set of images is the next frame.
 #pragma once
 
 #include <atomic>
@@ -15,7 +15,7 @@ namespace airclay {
 class LiveRecording : public Recording {
  public:
   /// `cameras` in the rig's order (inOrderOf). \throw Error naming the camera that cannot be opened, or gives
-  /// pictures of another size than the rig says.
+  /// images of another size than the rig says.
   LiveRecording(const Rig& rig, std::vector<LiveCamera> cameras, const LiveOptions& options,
                 int background_frames);
 
@@ -26,13 +26,13 @@ class LiveRecording : public Recording {
   double timeOf(int frame) const override;
   std::vector<double> cameraTimesOf(int frame) const override;
   int backgroundFrames() const override { return background_frames_; }
-  bool readPictures(int frame, Buffers bgr) override;
+  bool readImages(int frame, Buffers bgr) override;
   const std::optional<std::vector<TimedPose>>& truth() const override { return no_truth_; }
 
   bool isLive() const override { return true; }
   std::optional<Clock::time_point> capturedAt() const override;
-  std::uint32_t absentCameras() const override { return absent_; }
-  std::vector<std::string> troubles() const override;
+  std::uint32_t missingCameras() const override { return missing_cameras_; }
+  std::vector<std::string> camera_problems() const override;
 
  private:
   Rig rig_;
@@ -42,7 +42,7 @@ class LiveRecording : public Recording {
   std::optional<double> first_s_;  ///< the first set's time, on the machine's clock
   double time_s_ = 0;              ///< of the last set, as are those below
   std::vector<double> camera_times_s_;
-  std::uint32_t absent_ = 0;
+  std::uint32_t missing_cameras_ = 0;
   std::atomic<int> taken_ = 0;
 };
 

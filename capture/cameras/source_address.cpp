@@ -27,7 +27,7 @@ bool isPattern(const std::string& text) {
 Source parseSource(const std::string& source) {
   const auto startsWith = [&](const char* scheme) { return source.starts_with(scheme); };
   const std::string forms =
-      "a device number or /dev/videoN, a video file, a folder or pattern of pictures (img_%04d.png), "
+      "a device number or /dev/videoN, a video file, a folder or pattern of images (img_%04d.png), "
       "rtsp://... or gst: and a pipeline would be right";
   if (source.empty()) throw Error("the source is empty; " + forms);
   if (isNumber(source)) return {SourceKind::kDevice, "/dev/video" + std::to_string(std::stoi(source))};
@@ -43,7 +43,7 @@ Source parseSource(const std::string& source) {
     return {SourceKind::kPipeline, source};
   if (const std::size_t scheme = source.find("://"); scheme != std::string::npos)
     throw Error("\"" + source.substr(0, scheme) + "://\" is no kind of source; " + forms);
-  if (std::filesystem::is_directory(source) || isPattern(source)) return {SourceKind::kPictures, source};
+  if (std::filesystem::is_directory(source) || isPattern(source)) return {SourceKind::kImages, source};
   return {SourceKind::kVideo, source};
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A camera's thread takes its newest picture and hands it to the pipeline of those who watch, if there are
+// A camera's thread takes its newest image and hands it to the pipeline of those who watch, if there are
 // any: appsrc, x264enc, rtph264pay. GStreamer's RTSP server makes that pipeline when the first one comes, and
 // takes it down when the last one has left.
 #include "capture/cameras/stream_server.h"
@@ -21,17 +21,17 @@
 namespace airclay {
 namespace {
 
-// How long a camera's thread waits for a picture before it looks at its state.
+// How long a camera's thread waits for a image before it looks at its state.
 constexpr double kWaitS = 0.1;
-// Whole pictures: somebody who comes waits half as long as this, on average.
-constexpr double kWholePictureEveryS = 0.5;
+// Whole images: somebody who comes waits half as long as this, on average.
+constexpr double kFullFrameEveryS = 0.5;
 // Constant quality: 20 is hard to tell from the original. Noise may cost up to half a bit a pixel (5 Mbit/s
 // for 640 x 480 at 30 Hz), over a third of a second.
 constexpr int kQuantizer = 20, kBufferMs = 333;
 constexpr double kMostBitsAPixel = 0.5;
 constexpr int kLeastKbit = 1000;
-// Pictures that wait for the encoder; the oldest is dropped when another comes.
-constexpr int kWaitingPictures = 2;
+// Images that wait for the encoder; the oldest is dropped when another comes.
+constexpr int kWaitingImages = 2;
 // Clients at a time, and how often those are looked for that are silent for a minute.
 constexpr guint kMostSessions = 64, kCleanupS = 5;
 
@@ -50,11 +50,11 @@ class InStep : public CameraSource {
  public:
   InStep(std::unique_ptr<CameraSource> source, Clock::time_point start)
       : source_(std::move(source)), start_(start) {}
-  PictureSize size() const override { return source_->size(); }
+  ImageSize size() const override { return source_->size(); }
   double rateHz() const override { return source_->rateHz(); }
   TimeOrigin times() const override { return source_->times(); }
   void begin(Clock::time_point) override { source_->begin(start_); }
-  bool read(LivePicture& picture, double& capture_s) override { return source_->read(picture, capture_s); }
+  bool read(LiveImage& image, double& capture_s) override { return source_->read(image, capture_s); }
   void stop() override { source_->stop(); }
 
  private:
@@ -66,16 +66,16 @@ LiveCamera inStep(const NamedSource& camera, const SourceOptions& options, Clock
   return {camera.name, [=] { return std::make_unique<InStep>(openSource(camera, options), start); }};
 }
 
-/// The picture's bytes become the buffer's.
-GstBuffer* bufferOf(LivePicture picture) {
-  const auto width = static_cast<guint>(picture.size.width), height = static_cast<guint>(picture.size.height);
-  auto* const bytes = new std::vector<std::uint8_t>(std::move(picture.bgr));
+/// The image's bytes become the buffer's.
+GstBuffer* bufferOf(LiveImage image) {
+  const auto width = static_cast<guint>(image.size.width), height = static_cast<guint>(image.size.height);
+  auto* const bytes = new std::vector<std::uint8_t>(std::move(image.bgr));
   GstBuffer* const buffer = gst_buffer_new_wrapped_full(
       GST_MEMORY_FLAG_READONLY, bytes->data(), bytes->size(), 0, bytes->size(), bytes,
       [](gpointer p) { delete static_cast<std::vector<std::uint8_t>*>(p); });
   // our rows are tightly packed, GStreamer's own would begin at multiples of four
   gsize offsets[GST_VIDEO_MAX_PLANES] = {};
-  gint strides[GST_VIDEO_MAX_PLANES] = {3 * picture.size.width};
+  gint strides[GST_VIDEO_MAX_PLANES] = {3 * image.size.width};
   gst_buffer_add_video_meta_full(buffer, GST_VIDEO_FRAME_FLAG_NONE, GST_VIDEO_FORMAT_BGR, width, height, 1,
                                  offsets, strides);
   return buffer;
@@ -94,21 +94,21 @@ class ServedCamera {
       const CameraStatus status = cameras_->status()[0];
       const std::lock_guard lock(mutex_);
       status_ = status;
-      if (set) push(std::move(set->pictures[0]), set->time_s);
+      if (set) push(std::move(set->images[0]), set->time_s);
       if (!set && cameras_->ended()) break;
     }
     cameras_.reset();
     const std::lock_guard lock(mutex_);
     status_.state = CameraState::kEnded;
     ended_ = true;
-    if (pictures_) gst_app_src_end_of_stream(pictures_.get());
+    if (images_) gst_app_src_end_of_stream(images_.get());
   }
   void stop() { stopping_ = true; }
 
   void statusTo(StreamStatus& status) const {
     const std::lock_guard lock(mutex_);
     status.camera = status_;
-    status.watched = pictures_ != nullptr;
+    status.watched = images_ != nullptr;
     status.streamed = streamed_;
   }
   CameraStatus status() const {
@@ -119,34 +119,34 @@ class ServedCamera {
     const std::lock_guard lock(mutex_);
     return ended_;
   }
-  /// Whether who asks for it now would get pictures.
+  /// Whether who asks for it now would get images.
   bool runs() const {
     const CameraState state = status().state;
     return !ended() && (state == CameraState::kLive || state == CameraState::kLate);
   }
 
-  /// From now on its pictures go there.
-  void watchedThrough(Held<GstAppSrc> pictures) {
+  /// From now on its images go there.
+  void watchedThrough(GObjectPtr<GstAppSrc> images) {
     const std::lock_guard lock(mutex_);
-    pictures_ = std::move(pictures);
+    images_ = std::move(images);
     last_ = 0;
   }
-  void leave(const GstAppSrc* pictures) {
+  void leave(const GstAppSrc* images) {
     const std::lock_guard lock(mutex_);
-    if (pictures_.get() == pictures) pictures_.reset();
+    if (images_.get() == images) images_.reset();
   }
 
  private:
   /// Under the lock. The pipeline's clock is CLOCK_MONOTONIC, as that of capture times.
-  void push(LivePicture picture, double capture_s) {
-    if (!pictures_) return;
-    const GstClockTime base = gst_element_get_base_time(GST_ELEMENT(pictures_.get()));
+  void push(LiveImage image, double capture_s) {
+    if (!images_) return;
+    const GstClockTime base = gst_element_get_base_time(GST_ELEMENT(images_.get()));
     const auto captured = static_cast<GstClockTime>(std::llround(capture_s * 1e9));
     if (base == 0 || captured < base + last_) return;  // it doesn't run yet
     last_ = captured - base + 1;
-    GstBuffer* const buffer = bufferOf(std::move(picture));
+    GstBuffer* const buffer = bufferOf(std::move(image));
     GST_BUFFER_PTS(buffer) = captured - base;
-    if (gst_app_src_push_buffer(pictures_.get(), buffer) == GST_FLOW_OK) ++streamed_;
+    if (gst_app_src_push_buffer(images_.get(), buffer) == GST_FLOW_OK) ++streamed_;
   }
 
   std::unique_ptr<LiveCameras> cameras_;  ///< this camera alone
@@ -154,35 +154,35 @@ class ServedCamera {
   mutable std::mutex mutex_;
   CameraStatus status_;
   bool ended_ = false;
-  Held<GstAppSrc> pictures_;  ///< none: nobody watches
-  GstClockTime last_ = 0;     ///< the next picture's least time
+  GObjectPtr<GstAppSrc> images_;  ///< none: nobody watches
+  GstClockTime last_ = 0;     ///< the next image's least time
   std::uint64_t streamed_ = 0;
 };
 
 // ------------------------------------------------------------------------------------------- its pipeline
 
-/// What codes a camera's pictures. The colours are BT.601's whatever the size: OpenCV reads them so.
+/// What codes a camera's images. The colours are BT.601's whatever the size: OpenCV reads them so.
 std::string pipelineOf(const CameraStatus& camera) {
   const auto number = [](double value) { return std::to_string(std::lround(value)); };
-  const PictureSize size = camera.size;
+  const ImageSize size = camera.size;
   const double pixels_hz = double(size.width) * size.height * camera.rate_hz;
   const bool even = size.width % 2 == 0 && size.height % 2 == 0;  // I420's colours are halved
-  return "( appsrc name=pictures is-live=true format=time block=false leaky-type=downstream max-bytes=0 "
+  return "( appsrc name=images is-live=true format=time block=false leaky-type=downstream max-bytes=0 "
          "max-buffers=" +
-         std::to_string(kWaitingPictures) +
+         std::to_string(kWaitingImages) +
          " caps=\"video/x-raw,format=BGR,width=" + std::to_string(size.width) +
          ",height=" + std::to_string(size.height) + ",framerate=" + number(1000 * camera.rate_hz) +
          "/1000\" ! videoconvert ! video/x-raw,colorimetry=bt601,format=" + (even ? "I420" : "Y444") +
          " ! x264enc tune=zerolatency speed-preset=veryfast bframes=0 threads=1 pass=qual quantizer=" +
          std::to_string(kQuantizer) + " vbv-buf-capacity=" + std::to_string(kBufferMs) +
          " bitrate=" + number(std::clamp(kMostBitsAPixel * pixels_hz / 1000, double(kLeastKbit), 1e6)) +
-         " key-int-max=" + number(std::max(1.0, kWholePictureEveryS * camera.rate_hz)) +
+         " key-int-max=" + number(std::max(1.0, kFullFrameEveryS * camera.rate_hz)) +
          " ! rtph264pay name=pay0 pt=96 config-interval=-1 aggregate-mode=zero-latency )";
 }
 
-Held<GstAppSrc> picturesOf(GstRTSPMedia* media) {
-  const Held<GstElement> bin(gst_rtsp_media_get_element(media));
-  return Held<GstAppSrc>(GST_APP_SRC(elementOf(bin.get(), "pictures").release()));
+GObjectPtr<GstAppSrc> imagesOf(GstRTSPMedia* media) {
+  const GObjectPtr<GstElement> bin(gst_rtsp_media_get_element(media));
+  return GObjectPtr<GstAppSrc>(GST_APP_SRC(elementOf(bin.get(), "images").release()));
 }
 
 void addStream(GstRTSPMountPoints* mounts, const std::shared_ptr<ServedCamera>& camera) {
@@ -191,16 +191,16 @@ void addStream(GstRTSPMountPoints* mounts, const std::shared_ptr<ServedCamera>& 
   gst_rtsp_media_factory_set_launch(factory, pipelineOf(status).c_str());
   gst_rtsp_media_factory_set_shared(factory, TRUE);
   gst_rtsp_media_factory_set_protocols(factory, GST_RTSP_LOWER_TRANS_TCP);
-  const Held<GstClock> clock(gst_system_clock_obtain());
+  const GObjectPtr<GstClock> clock(gst_system_clock_obtain());
   gst_rtsp_media_factory_set_clock(factory, clock.get());
   connect(factory, "media-configure",
           G_CALLBACK(+[](GstRTSPMediaFactory*, GstRTSPMedia* media, std::shared_ptr<ServedCamera>* watched) {
             connect(media, "unprepared",
                     G_CALLBACK(+[](GstRTSPMedia* gone, std::shared_ptr<ServedCamera>* left) {
-                      (*left)->leave(picturesOf(gone).get());
+                      (*left)->leave(imagesOf(gone).get());
                     }),
                     *watched);
-            (*watched)->watchedThrough(picturesOf(media));
+            (*watched)->watchedThrough(imagesOf(media));
           }),
           camera);
   gst_rtsp_mount_points_add_factory(mounts, ("/" + status.name).c_str(), factory);
@@ -237,8 +237,8 @@ struct StreamServer::Parts {
   std::shared_ptr<Cameras> cameras = std::make_shared<Cameras>();
   GMainContext* context = g_main_context_new();
   GMainLoop* loop = g_main_loop_new(context, FALSE);
-  Held<GstRTSPServer> server;
-  Held<GSource> connections;
+  GObjectPtr<GstRTSPServer> server;
+  GObjectPtr<GSource> connections;
   int port = 0;
   std::vector<std::thread> threads;
 
@@ -268,12 +268,12 @@ void StreamServer::Parts::takePort() {
 }
 
 void StreamServer::Parts::begin() {
-  // A thread for each client: one that asks for a camera without pictures is not in the others' way.
-  const Held<GstRTSPThreadPool> pool(gst_rtsp_server_get_thread_pool(server.get()));
+  // A thread for each client: one that asks for a camera without images is not in the others' way.
+  const GObjectPtr<GstRTSPThreadPool> pool(gst_rtsp_server_get_thread_pool(server.get()));
   gst_rtsp_thread_pool_set_max_threads(pool.get(), -1);
-  const Held<GstRTSPSessionPool> sessions(gst_rtsp_server_get_session_pool(server.get()));
+  const GObjectPtr<GstRTSPSessionPool> sessions(gst_rtsp_server_get_session_pool(server.get()));
   gst_rtsp_session_pool_set_max_sessions(sessions.get(), kMostSessions);
-  const Held<GstRTSPMountPoints> mounts(gst_rtsp_server_get_mount_points(server.get()));
+  const GObjectPtr<GstRTSPMountPoints> mounts(gst_rtsp_server_get_mount_points(server.get()));
   for (const std::shared_ptr<ServedCamera>& camera : *cameras) addStream(mounts.get(), camera);
   connect(server.get(), "client-connected",
           G_CALLBACK(+[](GstRTSPServer*, GstRTSPClient* client, std::shared_ptr<Cameras>* all) {
@@ -287,7 +287,7 @@ void StreamServer::Parts::begin() {
                     *all);
           }),
           cameras);
-  const Held<GSource> cleanup(g_timeout_source_new_seconds(kCleanupS));
+  const GObjectPtr<GSource> cleanup(g_timeout_source_new_seconds(kCleanupS));
   g_source_set_callback(
       cleanup.get(),
       [](gpointer all) -> gboolean {
@@ -313,7 +313,7 @@ StreamServer::Parts::~Parts() {
         server.get(), [](GstRTSPServer*, GstRTSPClient*, gpointer) { return GST_RTSP_FILTER_REMOVE; },
         nullptr);
   // from within: a loop that has not begun yet would miss it
-  const Held<GSource> end(g_idle_source_new());
+  const GObjectPtr<GSource> end(g_idle_source_new());
   g_source_set_callback(
       end.get(),
       [](gpointer running) -> gboolean {

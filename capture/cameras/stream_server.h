@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The cameras of this machine for another one: each is an RTSP stream of H.264 pictures.
+// The cameras of this machine for another one: each is an RTSP stream of H.264 images.
 #pragma once
 
 #include <cstdint>
@@ -21,14 +21,14 @@ struct StreamServerOptions {
 struct StreamStatus {
   CameraStatus camera;
   std::string address;         ///< rtsp://ADDRESS:PORT/NAME
-  bool watched = false;        ///< somebody watches; only then its pictures are coded
-  std::uint64_t streamed = 0;  ///< pictures that were coded for those who watched
+  bool watched = false;        ///< somebody watches; only then its images are coded
+  std::uint64_t streamed = 0;  ///< images that were coded for those who watched
 };
 
-/// Streams cameras until it ends. A picture is coded once for all who watch, without B frames, and a whole
+/// Streams cameras until it ends. A image is coded once for all who watch, without B frames, and a whole
 /// one twice a second, so that who comes later sees it soon. RTP times are capture times. The streams go over
-/// TCP alone (interleaved in RTSP): a picture is whole or missing, not smeared. Who reads too slowly loses
-/// pictures; no queue grows without bound. A camera that is lost is opened again
+/// TCP alone (interleaved in RTSP): a image is whole or missing, not smeared. Who reads too slowly loses
+/// images; no queue grows without bound. A camera that is lost is opened again
 /// once a second; till then whoever asks for it is told that the service is unavailable, and the others go
 /// on.
 class StreamServer {

@@ -37,7 +37,7 @@ std::string textOf(const unsigned char (&bytes)[size]) {
   return {bytes, std::find(bytes, bytes + size, 0)};
 }
 
-std::vector<double> ratesOf(const Node& node, unsigned format, PictureSize size) {
+std::vector<double> ratesOf(const Node& node, unsigned format, ImageSize size) {
   std::vector<double> rates_hz;
   v4l2_frmivalenum interval{};
   interval.pixel_format = format;
@@ -60,9 +60,9 @@ void addModes(const Node& node, unsigned format, std::vector<V4l2Mode>& modes) {
   entry.pixel_format = format;
   for (; entry.index < kMostEntries && node.ask(VIDIOC_ENUM_FRAMESIZES, entry); ++entry.index) {
     const bool discrete = entry.type == V4L2_FRMSIZE_TYPE_DISCRETE;
-    const PictureSize size = discrete
-                                 ? PictureSize{int(entry.discrete.width), int(entry.discrete.height)}
-                                 : PictureSize{int(entry.stepwise.max_width), int(entry.stepwise.max_height)};
+    const ImageSize size = discrete
+                                 ? ImageSize{int(entry.discrete.width), int(entry.discrete.height)}
+                                 : ImageSize{int(entry.stepwise.max_width), int(entry.stepwise.max_height)};
     modes.push_back({letters, size, ratesOf(node, format, size)});
     if (!discrete) break;  // a range: its largest is said
   }

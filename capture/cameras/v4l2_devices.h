@@ -13,7 +13,7 @@ namespace airclay {
 /// One size in one pixel format.
 struct V4l2Mode {
   std::string format;  ///< four letters: MJPG, YUYV
-  PictureSize size;
+  ImageSize size;
   std::vector<double> rates_hz;  ///< fastest first
 };
 
@@ -25,7 +25,7 @@ struct V4l2Device {
   std::vector<V4l2Mode> modes;
 };
 
-/// The devices that deliver pictures, by number. Those that cannot be opened or deliver none (a camera's
+/// The devices that deliver images, by number. Those that cannot be opened or deliver none (a camera's
 /// second node holds metadata alone) are left out.
 std::vector<V4l2Device> listV4l2Devices();
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Pictures through OpenCV's codecs. A file's frame is checked here first (PNG: W3C's specification, 5; JPEG:
+// Images through OpenCV's codecs. A file's frame is checked here first (PNG: W3C's specification, 5; JPEG:
 // ITU T.81, B.1): its size before memory is taken for it, its completeness because libpng and libjpeg
 // complain on standard error.
 #include "capture/images/image_file.h"
@@ -21,18 +21,18 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-// 16384 x 16384 in 8-bit RGBA, stored: no picture of a rig is larger.
+// 16384 x 16384 in 8-bit RGBA, stored: no image of a rig is larger.
 constexpr std::uintmax_t kMaxFileBytes = 1u << 30;
 
 Bytes readBytes(const std::filesystem::path& file) {
   std::error_code fault;
   const std::uintmax_t size = std::filesystem::file_size(file, fault);
-  if (fault) throw Error(file.string() + ": the picture is missing or no readable file");
-  if (size > kMaxFileBytes) throw Error(file.string() + ": the picture's file is larger than 1 GB");
+  if (fault) throw Error(file.string() + ": the image is missing or no readable file");
+  if (size > kMaxFileBytes) throw Error(file.string() + ": the image's file is larger than 1 GB");
   Bytes bytes(size);
   std::ifstream in(file, std::ios::binary);
   if (!in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size)))
-    throw Error(file.string() + ": the picture cannot be read");
+    throw Error(file.string() + ": the image cannot be read");
   return bytes;
 }
 
@@ -59,7 +59,7 @@ std::uint32_t crc32(const std::uint8_t* bytes, size_t count) {
 }
 
 /// The size in IHDR when all chunks up to IEND are there and unharmed; nothing else.
-bool readPngFrame(const Bytes& bytes, PictureSize& size) {
+bool readPngFrame(const Bytes& bytes, ImageSize& size) {
   for (size_t at = 8; at + 12 <= bytes.size();) {
     const size_t length = bigEndian(bytes, at, 4);
     if (length > bytes.size() - at - 12) return false;
@@ -74,7 +74,7 @@ bool readPngFrame(const Bytes& bytes, PictureSize& size) {
 }
 
 /// The size in the frame header when the end-of-image marker follows it.
-bool readJpegFrame(const Bytes& bytes, PictureSize& size) {
+bool readJpegFrame(const Bytes& bytes, ImageSize& size) {
   size_t at = 2;
   while (at + 9 <= bytes.size() && bytes[at] == 0xff) {
     const std::uint8_t marker = bytes[at + 1];
@@ -95,37 +95,37 @@ bool readJpegFrame(const Bytes& bytes, PictureSize& size) {
   return false;
 }
 
-PictureSize frameSize(const Bytes& bytes, const std::filesystem::path& file) {
+ImageSize frameSize(const Bytes& bytes, const std::filesystem::path& file) {
   static const std::array<std::uint8_t, 8> png{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
   const bool is_png = bytes.size() > 8 && std::equal(png.begin(), png.end(), bytes.begin());
   const bool is_jpeg = bytes.size() > 3 && bytes[0] == 0xff && bytes[1] == 0xd8;
-  if (!is_png && !is_jpeg) throw Error(file.string() + ": it is neither a PNG nor a JPEG picture");
-  PictureSize size;
+  if (!is_png && !is_jpeg) throw Error(file.string() + ": it is neither a PNG nor a JPEG image");
+  ImageSize size;
   if (!(is_png ? readPngFrame(bytes, size) : readJpegFrame(bytes, size)) || size.width <= 0 ||
       size.height <= 0)
-    throw Error(file.string() + ": the picture is cut off or damaged; a whole one would be right");
+    throw Error(file.string() + ": the image is cut off or damaged; a whole one would be right");
   return size;
 }
 
-std::string text(PictureSize size) {
+std::string text(ImageSize size) {
   return std::to_string(size.width) + " x " + std::to_string(size.height);
 }
 
 }  // namespace
 
-PictureSize pictureSize(const std::filesystem::path& file) {
+ImageSize imageSize(const std::filesystem::path& file) {
   return frameSize(readBytes(file), file);
 }
 
-void readPicture(const std::filesystem::path& file, PictureSize size, PixelForm form,
+void readImage(const std::filesystem::path& file, ImageSize size, PixelFormat form,
                  std::span<std::uint8_t> pixels) {
   quietOpenCv();
   const Bytes bytes = readBytes(file);
-  const PictureSize found = frameSize(bytes, file);
+  const ImageSize found = frameSize(bytes, file);
   if (found != size)
-    throw Error(file.string() + ": the picture is " + text(found) + " pixels; the rig's " + text(size) +
+    throw Error(file.string() + ": the image is " + text(found) + " pixels; the rig's " + text(size) +
                 " would be right");
-  const bool is_grey = form == PixelForm::kGrey8;
+  const bool is_grey = form == PixelFormat::kGrey8;
   const int flags = (is_grey ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR) | cv::IMREAD_IGNORE_ORIENTATION;
   cv::Mat target(size.height, size.width, is_grey ? CV_8UC1 : CV_8UC3, pixels.data());
   cv::Mat decoded;
@@ -135,19 +135,19 @@ void readPicture(const std::filesystem::path& file, PictureSize size, PixelForm 
     decoded.release();
   }
   if (decoded.size() != target.size() || decoded.type() != target.type())
-    throw Error(file.string() + ": the picture cannot be decoded; a PNG or JPEG would be right");
+    throw Error(file.string() + ": the image cannot be decoded; a PNG or JPEG would be right");
   decoded.copyTo(target);
 }
 
-void writePng(const std::filesystem::path& file, PictureSize size, std::span<const std::uint8_t> rgba) {
+void writePng(const std::filesystem::path& file, ImageSize size, std::span<const std::uint8_t> rgba) {
   if (size.width < 1 || size.height < 1 ||
       rgba.size() != static_cast<size_t>(size.width) * static_cast<size_t>(size.height) * 4)
-    throw Error(file.string() + ": a picture of " + text(size) + " pixels was given " +
+    throw Error(file.string() + ": a image of " + text(size) + " pixels was given " +
                 std::to_string(rgba.size()) + " bytes");
   // OpenCV only reads from it, but has no constant matrix over foreign memory.
-  const cv::Mat picture(size.height, size.width, CV_8UC4, const_cast<std::uint8_t*>(rgba.data()));
+  const cv::Mat image(size.height, size.width, CV_8UC4, const_cast<std::uint8_t*>(rgba.data()));
   cv::Mat bgra;
-  cv::cvtColor(picture, bgra, cv::COLOR_RGBA2BGRA);
+  cv::cvtColor(image, bgra, cv::COLOR_RGBA2BGRA);
   Bytes bytes;
   cv::imencode(".png", bgra, bytes);
   writeWhole(file, std::string(bytes.begin(), bytes.end()));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Still pictures in files: PNG and JPEG in, PNG out.
+// Still images in files: PNG and JPEG in, PNG out.
 #pragma once
 
 #include <cstdint>
@@ -8,25 +8,25 @@
 
 namespace airclay {
 
-struct PictureSize {
+struct ImageSize {
   int width = 0, height = 0;  ///< pixels
-  bool operator==(const PictureSize&) const = default;
+  bool operator==(const ImageSize&) const = default;
 };
 
 /// How the pixels are wanted, tightly packed.
-enum class PixelForm { kGrey8 = 1, kBgr8 = 3 };
+enum class PixelFormat { kGrey8 = 1, kBgr8 = 3 };
 
-/// A picture's size, from its header alone. \throw Error naming the file when it is no PNG or JPEG, or is
+/// A image's size, from its header alone. \throw Error naming the file when it is no PNG or JPEG, or is
 /// incomplete.
-PictureSize pictureSize(const std::filesystem::path& file);
+ImageSize imageSize(const std::filesystem::path& file);
 
-/// Decodes a picture as it lies in the file (an orientation tag is not applied: a calibration is of the raw
-/// picture). \pre pixels holds width * height * bytes of the form. \throw Error naming the file when it is of
+/// Decodes a image as it lies in the file (an orientation tag is not applied: a calibration is of the raw
+/// image). \pre pixels holds width * height * bytes of the form. \throw Error naming the file when it is of
 /// another size, no PNG or JPEG, or broken.
-void readPicture(const std::filesystem::path& file, PictureSize size, PixelForm form,
+void readImage(const std::filesystem::path& file, ImageSize size, PixelFormat form,
                  std::span<std::uint8_t> pixels);
 
 /// Writes RGBA pixels, 8 bits a channel, rows from the top. The file appears whole or not at all.
-void writePng(const std::filesystem::path& file, PictureSize size, std::span<const std::uint8_t> rgba);
+void writePng(const std::filesystem::path& file, ImageSize size, std::span<const std::uint8_t> rgba);
 
 }  // namespace airclay

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Videos through OpenCV's FFmpeg backend, pictures through picture_file.
+// Videos through OpenCV's FFmpeg backend, images through picture_file.
 #include "capture/images/video_reader.h"
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 namespace airclay {
 namespace {
 
-// Of pictures, and of a video that doesn't say: the rate of ordinary cameras.
+// Of images, and of a video that doesn't say: the rate of ordinary cameras.
 constexpr double kDefaultRateHz = 30;
 // Nine hours at 30 Hz: a larger number in a file's name is no frame's.
 constexpr int kMaxFrame = 1'000'000;
@@ -31,7 +31,7 @@ class VideoSource : public FrameSource {
     if (frame_count_ < 1) throw Error(file_.string() + ": the video holds no frame that can be decoded");
   }
 
-  PictureSize size() const override { return size_; }
+  ImageSize size() const override { return size_; }
   int frameCount() const override { return frame_count_; }
   double rateHz() const override { return rate_hz_; }
 
@@ -40,13 +40,13 @@ class VideoSource : public FrameSource {
     for (; next_ <= frame; ++next_)
       if (!video_.grab()) failAt(next_, frame_count_);
     cv::Mat target(size_.height, size_.width, CV_8UC3, bgr.data());
-    cv::Mat picture = target;  // the decoder writes into it when size and type are as they should be
-    if (!video_.retrieve(picture)) failAt(frame, frame_count_);
-    if (picture.size() != target.size() || picture.type() != target.type())
+    cv::Mat image = target;  // the decoder writes into it when size and type are as they should be
+    if (!video_.retrieve(image)) failAt(frame, frame_count_);
+    if (image.size() != target.size() || image.type() != target.type())
       throw Error(file_.string() + ": frame " + std::to_string(frame) + " is " +
-                  std::to_string(picture.cols) + " x " + std::to_string(picture.rows) +
+                  std::to_string(image.cols) + " x " + std::to_string(image.rows) +
                   " pixels; one size throughout would be right");
-    if (picture.data != target.data) picture.copyTo(target);
+    if (image.data != target.data) image.copyTo(target);
   }
 
  private:
@@ -97,39 +97,39 @@ class VideoSource : public FrameSource {
   std::filesystem::path file_;
   bool unfinished_;
   cv::VideoCapture video_;
-  PictureSize size_;
+  ImageSize size_;
   double rate_hz_ = kDefaultRateHz;
   int frame_count_ = 0;
   int next_ = 0;  // the frame that the decoder gives next
 };
 
-class PictureSource : public FrameSource {
+class ImageSource : public FrameSource {
  public:
-  explicit PictureSource(const std::filesystem::path& folder) : pictures_(numberedPictures(folder)) {
-    if (pictures_.empty())
+  explicit ImageSource(const std::filesystem::path& folder) : images_(numberedImages(folder)) {
+    if (images_.empty())
       throw Error(folder.string() +
-                  ": the folder holds no picture; 000000.png (or .jpg) and on would be right");
+                  ": the folder holds no image; 000000.png (or .jpg) and on would be right");
     int expected = 0;
-    for (const auto& [frame, file] : pictures_) {
+    for (const auto& [frame, file] : images_) {
       if (frame != expected)
-        throw Error(folder.string() + ": the picture of frame " + std::to_string(expected) +
+        throw Error(folder.string() + ": the image of frame " + std::to_string(expected) +
                     " is missing; numbers from 0 without a gap would be right");
       ++expected;
     }
-    size_ = pictureSize(pictures_.at(0));
+    size_ = imageSize(images_.at(0));
   }
 
-  PictureSize size() const override { return size_; }
-  int frameCount() const override { return static_cast<int>(pictures_.size()); }
+  ImageSize size() const override { return size_; }
+  int frameCount() const override { return static_cast<int>(images_.size()); }
   double rateHz() const override { return kDefaultRateHz; }
 
   void read(int frame, std::span<std::uint8_t> bgr) override {
-    readPicture(pictures_.at(frame), size_, PixelForm::kBgr8, bgr);
+    readImage(images_.at(frame), size_, PixelFormat::kBgr8, bgr);
   }
 
  private:
-  std::map<int, std::filesystem::path> pictures_;
-  PictureSize size_;
+  std::map<int, std::filesystem::path> images_;
+  ImageSize size_;
 };
 
 }  // namespace
@@ -141,26 +141,26 @@ std::unique_ptr<FrameSource> openFrames(const std::filesystem::path& take, const
     if (std::filesystem::is_regular_file(file)) return std::make_unique<VideoSource>(file, unfinished);
   }
   const std::filesystem::path folder = take / name;
-  if (std::filesystem::is_directory(folder)) return std::make_unique<PictureSource>(folder);
+  if (std::filesystem::is_directory(folder)) return std::make_unique<ImageSource>(folder);
   return nullptr;
 }
 
-std::map<int, std::filesystem::path> numberedPictures(const std::filesystem::path& folder) {
-  std::map<int, std::filesystem::path> pictures;
+std::map<int, std::filesystem::path> numberedImages(const std::filesystem::path& folder) {
+  std::map<int, std::filesystem::path> images;
   for (const std::filesystem::directory_entry& entry : std::filesystem::directory_iterator(folder)) {
     const std::string extension = entry.path().extension().string(), stem = entry.path().stem().string();
-    const bool is_picture = extension == ".png" || extension == ".jpg" || extension == ".jpeg";
-    if (!is_picture || stem.empty() || stem.find_first_not_of("0123456789") != std::string::npos) continue;
+    const bool is_image = extension == ".png" || extension == ".jpg" || extension == ".jpeg";
+    if (!is_image || stem.empty() || stem.find_first_not_of("0123456789") != std::string::npos) continue;
     int frame = 0;
     const std::from_chars_result result = std::from_chars(stem.data(), stem.data() + stem.size(), frame);
     if (result.ec != std::errc() || frame > kMaxFrame)
       throw Error(entry.path().string() + ": the frame's number is past " + std::to_string(kMaxFrame));
-    const auto [place, is_new] = pictures.emplace(frame, entry.path());
+    const auto [place, is_new] = images.emplace(frame, entry.path());
     if (!is_new)
       throw Error(entry.path().string() + ": frame " + std::to_string(frame) + " is there twice, also as " +
                   place->second.filename().string());
   }
-  return pictures;
+  return images;
 }
 
 }  // namespace airclay

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// One camera's recorded frames: a video, or a folder of numbered pictures.
+// One camera's recorded frames: a video, or a folder of numbered images.
 #pragma once
 
 #include <filesystem>
@@ -17,7 +17,7 @@ class FrameSource {
  public:
   virtual ~FrameSource() = default;
 
-  virtual PictureSize size() const = 0;
+  virtual ImageSize size() const = 0;
   virtual int frameCount() const = 0;
   virtual double rateHz() const = 0;
   /// Decodes a frame into width * height * 3 bytes. \pre 0 <= frame < frameCount()
@@ -25,14 +25,14 @@ class FrameSource {
   virtual void read(int frame, std::span<std::uint8_t> bgr) = 0;
 };
 
-/// The frames of camera `name` in a take's folder: NAME.mp4, .mkv or .avi, else the pictures in NAME/. None
+/// The frames of camera `name` in a take's folder: NAME.mp4, .mkv or .avi, else the images in NAME/. None
 /// when there are neither. \throw Error naming the file when it cannot be opened, holds no frame, or numbers
 /// have a gap; or the video is shorter than it declares, unless it may be `unfinished`.
 std::unique_ptr<FrameSource> openFrames(const std::filesystem::path& take, const std::string& name,
                                         bool unfinished = false);
 
-/// The pictures in a folder by the number that is their name: 000000.png, 1.jpg. Other files are not looked
+/// The images in a folder by the number that is their name: 000000.png, 1.jpg. Other files are not looked
 /// at. \throw Error naming two files of one number, or a number past a million.
-std::map<int, std::filesystem::path> numberedPictures(const std::filesystem::path& folder);
+std::map<int, std::filesystem::path> numberedImages(const std::filesystem::path& folder);
 
 }  // namespace airclay

@@ -53,16 +53,16 @@ VideoWriter::VideoWriter(VideoWriter&&) noexcept = default;
 VideoWriter& VideoWriter::operator=(VideoWriter&&) noexcept = default;
 
 void VideoWriter::write(std::span<const std::uint8_t> pixels) {
-  const PictureSize size = parts_->options.size;
-  const bool is_bgr = parts_->options.form == Form::kBgr8;
+  const ImageSize size = parts_->options.size;
+  const bool is_bgr = parts_->options.format == Format::kBgr8;
   const size_t pixel_count = static_cast<size_t>(size.width) * static_cast<size_t>(size.height);
-  if (pixels.size() != pixel_count * static_cast<size_t>(parts_->options.form))
-    throw std::logic_error("VideoWriter: the picture is not of the video's size and form");
+  if (pixels.size() != pixel_count * static_cast<size_t>(parts_->options.format))
+    throw std::logic_error("VideoWriter: the image is not of the video's size and form");
   // OpenCV only reads from it, but has no constant matrix over foreign memory.
-  const cv::Mat picture(size.height, size.width, is_bgr ? CV_8UC3 : CV_8UC4,
+  const cv::Mat image(size.height, size.width, is_bgr ? CV_8UC3 : CV_8UC4,
                         const_cast<std::uint8_t*>(pixels.data()));
-  if (!is_bgr) cv::cvtColor(picture, parts_->bgr, cv::COLOR_RGBA2BGR);
-  parts_->video.write(is_bgr ? picture : parts_->bgr);
+  if (!is_bgr) cv::cvtColor(image, parts_->bgr, cv::COLOR_RGBA2BGR);
+  parts_->video.write(is_bgr ? image : parts_->bgr);
   ++parts_->frame_count;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Pictures into an H.264 video that any player shows.
+// Images into an H.264 video that any player shows.
 #pragma once
 
 #include <memory>
@@ -13,12 +13,12 @@ namespace airclay {
 class VideoWriter {
  public:
   /// Bytes of a pixel, tightly packed, rows from the top.
-  enum class Form { kBgr8 = 3, kRgba8 = 4 };
+  enum class Format { kBgr8 = 3, kRgba8 = 4 };
 
   struct Options {
-    PictureSize size;  ///< even, 16 to 16384 a side: yuv420p halves it
+    ImageSize size;  ///< even, 16 to 16384 a side: yuv420p halves it
     double rate_hz = 30;
-    Form form = Form::kRgba8;
+    Format format = Format::kRgba8;
   };
 
   /// \throw Error naming the file when its folder cannot be written, or when it is no .mp4, or the size is

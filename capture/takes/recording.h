@@ -28,19 +28,19 @@ class Recording {
   virtual double rateHz() const = 0;
   /// When frame `frame` was taken, in seconds: the mean of its cameras' times. \pre 0 <= frame < frameCount()
   virtual double timeOf(int frame) const = 0;
-  /// When each camera took its picture of frame `frame`, in the rig's order; empty where the cameras have no
+  /// When each camera took its image of frame `frame`, in the rig's order; empty where the cameras have no
   /// times of their own. \pre as timeOf()
   virtual std::vector<double> cameraTimesOf(int /*frame*/) const { return {}; }
 
-  /// How many first frames show the empty workspace: 0 where background pictures or masks make them needless.
+  /// How many first frames show the empty workspace: 0 where background images or masks make them needless.
   virtual int backgroundFrames() const = 0;
-  virtual bool hasPictures() const { return true; }      ///< else there are masks alone
+  virtual bool hasImages() const { return true; }      ///< else there are masks alone
   virtual bool hasSilhouettes() const { return false; }  ///< masks to be used instead of segmentation
-  virtual bool hasBackground() const { return false; }   ///< pictures of the empty workspace
+  virtual bool hasBackground() const { return false; }   ///< images of the empty workspace
 
   /// A frame of every camera, BGR, 3 bytes a pixel. False past the last frame. Cheapest in order. \pre
-  /// hasPictures()
-  virtual bool readPictures(int frame, Buffers bgr) = 0;
+  /// hasImages()
+  virtual bool readImages(int frame, Buffers bgr) = 0;
   /// A frame's masks, 1 byte a pixel: 255 the object, 0 not. False past the last frame. \pre
   /// hasSilhouettes()
   virtual bool readSilhouettes(int /*frame*/, Buffers /*masks*/) { return false; }
@@ -52,14 +52,14 @@ class Recording {
 
   // --- cameras that run (live_recording.h). What follows, and the times, are of the frame read last ---
 
-  /// Frames are what comes now, and none can be read again. readPictures() is also false when none came for a
+  /// Frames are what comes now, and none can be read again. readImages() is also false when none came for a
   /// while: the end is where frameCount() says it, at first nowhere.
   virtual bool isLive() const { return false; }
   virtual std::optional<Clock::time_point> capturedAt() const { return std::nullopt; }
-  /// Bits of the cameras without a picture of that instant.
-  virtual std::uint32_t absentCameras() const { return 0; }
+  /// Bits of the cameras without a image of that instant.
+  virtual std::uint32_t missingCameras() const { return 0; }
   /// What is wrong with the cameras now, a few words each: "left: frozen".
-  virtual std::vector<std::string> troubles() const { return {}; }
+  virtual std::vector<std::string> camera_problems() const { return {}; }
 };
 
 /// The cameras' skew: the largest difference of a set's times, seconds. None of a set without times.

@@ -86,7 +86,7 @@ int side(const YamlFile& intri, const std::string& key) {
   if (!node.isInt() && !node.isReal())
     throw Error(intri.path() + ": " + key + " must be a whole number of pixels");
   const double value = node.real();
-  if (!(value >= kMinPictureSide && value <= kMaxPictureSide))
+  if (!(value >= kMinImageSide && value <= kMaxImageSide))
     throw Error(intri.path() + ": " + key + " must be 16 to 16384 pixels");
   return static_cast<int>(value);
 }

@@ -58,7 +58,7 @@ const std::optional<std::vector<TimedPose>>& Synthetic::truth() const {
   return parts_->truth;
 }
 
-bool Synthetic::readPictures(int frame, Buffers bgr) {
+bool Synthetic::readImages(int frame, Buffers bgr) {
   if (frame >= parts_->frame_count) return false;
   if (bgr.size() != parts_->rig.cameraCount())
     throw std::logic_error("Synthetic: the buffers are not one a camera");
@@ -70,10 +70,10 @@ bool Synthetic::readPictures(int frame, Buffers bgr) {
   sensor_frame.brightness = 1 + options.drift * std::sin(2 * M_PI * timeOf(frame) / kDriftPeriodS);
   parts_->sensor.draw(parts_->recorder, options.script.at(timeOf(frame)), sensor_frame);
   for (std::size_t camera = 0; camera < bgr.size(); ++camera) {
-    const std::span<const std::uint8_t> picture = parts_->sensor.picture(camera);
-    if (bgr[camera].size() != picture.size())
+    const std::span<const std::uint8_t> image = parts_->sensor.image(camera);
+    if (bgr[camera].size() != image.size())
       throw std::logic_error("Synthetic: a buffer is not of its camera's size");
-    std::memcpy(bgr[camera].data(), picture.data(), picture.size());
+    std::memcpy(bgr[camera].data(), image.data(), image.size());
   }
   return true;
 }

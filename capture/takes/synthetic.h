@@ -32,7 +32,7 @@ class Synthetic : public Recording {
   double rateHz() const override;
   double timeOf(int frame) const override;
   int backgroundFrames() const override;  ///< those before the hand appears
-  bool readPictures(int frame, Buffers bgr) override;
+  bool readImages(int frame, Buffers bgr) override;
   /// Of every frame with the hand in it.
   const std::optional<std::vector<TimedPose>>& truth() const override;
 

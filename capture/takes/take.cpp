@@ -40,7 +40,7 @@ struct Take::Parts {
 
 namespace {
 
-PictureSize sizeOf(const Camera& camera) {
+ImageSize sizeOf(const Camera& camera) {
   return {camera.width, camera.height};
 }
 
@@ -50,7 +50,7 @@ double mean(const std::vector<double>& values) {
   return sum;
 }
 
-std::string text(PictureSize size) {
+std::string text(ImageSize size) {
   return std::to_string(size.width) + " x " + std::to_string(size.height) + " pixels";
 }
 
@@ -93,7 +93,7 @@ void Take::Parts::openFrames() {
   const bool may_lack_all = frames.empty() && std::filesystem::is_directory(folder / "silhouettes");
   if (!missing.empty() && !may_lack_all)
     throw Error(folder.string() + ": camera \"" + missing + "\" has no frames; " + missing +
-                ".mp4, .mkv or .avi, or pictures " + missing + "/000000.png and on, would be right");
+                ".mp4, .mkv or .avi, or images " + missing + "/000000.png and on, would be right");
 }
 
 void Take::Parts::openMasks() {
@@ -103,7 +103,7 @@ void Take::Parts::openMasks() {
     if (!std::filesystem::is_directory(masks_folder))
       throw Error(masks_folder.string() + ": camera \"" + camera.name +
                   "\" has no masks; a folder, empty where nothing was seen, would be right");
-    masks.push_back(numberedPictures(masks_folder));
+    masks.push_back(numberedImages(masks_folder));
   }
 }
 
@@ -114,23 +114,23 @@ void Take::Parts::openBackground() {
     const path file = folder / "background" / (camera.name + ".png");
     if (!std::filesystem::exists(file))
       throw Error(file.string() + ": camera \"" + camera.name +
-                  "\" has no background picture, others may; one for each would be right");
-    if (const PictureSize size = pictureSize(file); size != sizeOf(camera))
-      throw Error(file.string() + ": the picture is " + text(size) + "; the rig's " + text(sizeOf(camera)) +
+                  "\" has no background image, others may; one for each would be right");
+    if (const ImageSize size = imageSize(file); size != sizeOf(camera))
+      throw Error(file.string() + ": the image is " + text(size) + "; the rig's " + text(sizeOf(camera)) +
                   " would be right");
   }
 }
 
-/// A rig's file need not say the pictures' sizes: then the first picture does.
+/// A rig's file need not say the images' sizes: then the first image does.
 void Take::Parts::fillSizes() {
   for (size_t i = 0; i < rig.cameras.size(); ++i) {
     Camera& camera = rig.cameras[i];
     if (camera.width > 0 && camera.height > 0) continue;
-    PictureSize size;
+    ImageSize size;
     if (!frames.empty())
       size = frames[i]->size();
     else if (!masks[i].empty())
-      size = pictureSize(masks[i].begin()->second);
+      size = imageSize(masks[i].begin()->second);
     camera.width = size.width;
     camera.height = size.height;
   }
@@ -223,7 +223,7 @@ std::vector<double> Take::cameraTimesOf(int frame) const {
   return parts_->times.empty() ? std::vector<double>{} : parts_->times.at(static_cast<size_t>(frame));
 }
 
-bool Take::hasPictures() const {
+bool Take::hasImages() const {
   return !parts_->frames.empty();
 }
 bool Take::hasSilhouettes() const {
@@ -237,7 +237,7 @@ int Take::backgroundFrames() const {
   return hasSilhouettes() || hasBackground() ? 0 : parts_->options.background_frames;
 }
 
-bool Take::readPictures(int frame, Buffers bgr) {
+bool Take::readImages(int frame, Buffers bgr) {
   checkBuffers(parts_->rig, bgr, 3);
   if (frame < 0 || frame >= parts_->frame_count) return false;
   // One camera after another: FFmpeg's own threads fill the cores already.
@@ -254,7 +254,7 @@ bool Take::readSilhouettes(int frame, Buffers masks) {
       std::fill(masks[i].begin(), masks[i].end(), std::uint8_t{0});
       continue;
     }
-    readPicture(found->second, sizeOf(parts_->rig.cameras[i]), PixelForm::kGrey8, masks[i]);
+    readImage(found->second, sizeOf(parts_->rig.cameras[i]), PixelFormat::kGrey8, masks[i]);
     binarize(masks[i], found->second);
   }
   return true;
@@ -264,7 +264,7 @@ void Take::readBackground(Buffers bgr) const {
   checkBuffers(parts_->rig, bgr, 3);
   for (size_t i = 0; i < parts_->rig.cameras.size(); ++i) {
     const Camera& camera = parts_->rig.cameras[i];
-    readPicture(parts_->folder / "background" / (camera.name + ".png"), sizeOf(camera), PixelForm::kBgr8,
+    readImage(parts_->folder / "background" / (camera.name + ".png"), sizeOf(camera), PixelFormat::kBgr8,
                 bgr[i]);
   }
 }

@@ -22,12 +22,12 @@ struct TakeOptions {
 /// Opens a take and reads its frames into the caller's memory: one buffer a camera, in the rig's order.
 ///
 ///     Take take("takes/monday");
-///     for (int frame = 0; take.readPictures(frame, buffers); ++frame) { … }
+///     for (int frame = 0; take.readImages(frame, buffers); ++frame) { … }
 ///
 /// Every fault, now or while reading, is an Error that names the file and, where it helps, the frame.
 class Take : public Recording {
  public:
-  /// \throw Error: no such folder, no rig, a camera without its video or pictures, another size than the rig
+  /// \throw Error: no such folder, no rig, a camera without its video or images, another size than the rig
   /// says, no frame at all, timestamps or truth that cannot be read.
   explicit Take(const std::filesystem::path& folder, const TakeOptions& options = {});
   ~Take() override;
@@ -44,15 +44,15 @@ class Take : public Recording {
   /// As timestamps.csv says them.
   std::vector<double> cameraTimesOf(int frame) const override;
 
-  bool hasPictures() const override;     ///< videos or picture folders; else there are masks alone
+  bool hasImages() const override;     ///< videos or image folders; else there are masks alone
   bool hasSilhouettes() const override;  ///< masks to be used as they are, instead of segmentation
-  bool hasBackground() const override;   ///< pictures of the empty workspace
-  /// How many first frames show the empty workspace: 0 where background pictures or masks make them needless.
+  bool hasBackground() const override;   ///< images of the empty workspace
+  /// How many first frames show the empty workspace: 0 where background images or masks make them needless.
   int backgroundFrames() const override;
 
   /// Decodes a frame of every camera, BGR, 3 bytes a pixel. False past the last frame. In order this costs
-  /// one decoded picture a camera; any other order decodes a video up to the frame. \pre hasPictures()
-  bool readPictures(int frame, Buffers bgr) override;
+  /// one decoded image a camera; any other order decodes a video up to the frame. \pre hasImages()
+  bool readImages(int frame, Buffers bgr) override;
   /// A frame's masks, 1 byte a pixel: 255 the object, 0 not. A missing file is an empty mask. \pre
   /// hasSilhouettes()
   bool readSilhouettes(int frame, Buffers masks) override;

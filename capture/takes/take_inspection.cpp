@@ -14,14 +14,14 @@ namespace airclay {
 namespace {
 
 using std::filesystem::path;
-using Picture = std::vector<std::uint8_t>;  // BGR
+using RgbaImage = std::vector<std::uint8_t>;  // BGR
 
-// Fewer pixels are noise, or a fingertip at the picture's border.
+// Fewer pixels are noise, or a fingertip at the image's border.
 constexpr std::size_t kLeastSilhouette = 100;
 // Of a long recording, no more is decoded.
 constexpr int kMostFrames = 600;
 
-PictureSize sizeOf(const Camera& camera) {
+ImageSize sizeOf(const Camera& camera) {
   return {camera.width, camera.height};
 }
 
@@ -50,10 +50,10 @@ std::vector<int> spread(const std::vector<int>& all, int count) {
 
 class Look {
  public:
-  Look(const path& folder, Rig& rig, const RigTakeOptions& options)
+  Look(const path& folder, Rig& rig, const TakeInspectionOptions& options)
       : folder_(folder), rig_(rig), options_(options) {}
 
-  RigTake all() {
+  TakeInspection all() {
     openFrames();
     openMasks();
     for (std::size_t i = 0; i < rig_.cameras.size(); ++i) checkSize(i);
@@ -90,9 +90,9 @@ class Look {
     for (std::size_t i = 0; i < rig_.cameras.size(); ++i) {
       const std::string& name = rig_.cameras[i].name;
       const bool is_said = std::any_of(result_.findings.begin(), result_.findings.end(),
-                                       [&](const RigFinding& finding) { return finding.camera == name; });
+                                       [&](const RigDiagnostic& finding) { return finding.camera == name; });
       if (!frames_[i] && !is_said)
-        add(name, "the take has no frames of it; " + name + ".mp4, .mkv or .avi, or pictures " + name +
+        add(name, "the take has no frames of it; " + name + ".mp4, .mkv or .avi, or images " + name +
                       "/000000.png and on, would be right");
     }
   }
@@ -103,7 +103,7 @@ class Look {
       const path of_camera = folder_ / "silhouettes" / camera.name;
       masks_.emplace_back();
       if (std::filesystem::is_directory(of_camera))
-        masks_.back() = numberedPictures(of_camera);
+        masks_.back() = numberedImages(of_camera);
       else
         add(camera.name, "the take has no masks of it; a folder silhouettes/" + camera.name +
                              ", empty where nothing was seen, would be right");
@@ -112,16 +112,16 @@ class Look {
 
   void checkSize(std::size_t index) {
     Camera& camera = rig_.cameras[index];
-    PictureSize size;
+    ImageSize size;
     try {
       if (frames_[index])
         size = frames_[index]->size();
       else if (!masks_.empty() && !masks_[index].empty())
-        size = pictureSize(masks_[index].begin()->second);
+        size = imageSize(masks_[index].begin()->second);
     } catch (const Error& error) {
       return add(camera.name, error.what());
     }
-    if (size == PictureSize{}) return;
+    if (size == ImageSize{}) return;
     if (camera.width == 0 && camera.height == 0) {
       camera.width = size.width;
       camera.height = size.height;
@@ -140,10 +140,10 @@ class Look {
       MaskSet set;
       for (std::size_t i = 0; i < rig_.cameras.size(); ++i) {
         const Camera& camera = rig_.cameras[i];
-        Mask mask{camera.width, camera.height, Picture(bytesOf(camera) / 3)};
+        Mask mask{camera.width, camera.height, RgbaImage(bytesOf(camera) / 3)};
         const auto found = masks_[i].find(number);
         if (found != masks_[i].end()) {
-          readPicture(found->second, sizeOf(camera), PixelForm::kGrey8, mask.pixels);
+          readImage(found->second, sizeOf(camera), PixelFormat::kGrey8, mask.pixels);
           for (std::uint8_t& pixel : mask.pixels) pixel = pixel >= 128 ? 255 : 0;
         }
         set.push_back(std::move(mask));
@@ -163,11 +163,11 @@ class Look {
     for (const auto& source : frames_) count = std::min(count, source->frameCount());
     const bool has_background = std::filesystem::is_directory(folder_ / "background");
     const int empty = has_background ? 0 : options_.background_frames;
-    result_.trust = has_background ? SilhouetteTrust::kKnown : SilhouetteTrust::kGuessed;
+    result_.trust = has_background ? SilhouetteSource::kKnown : SilhouetteSource::kAssumed;
     if (count <= empty)
       throw Error(folder_.string() + ": it has " + std::to_string(count) + " frames, and the first " +
                   std::to_string(empty) +
-                  " are taken to be empty; a smaller --background or pictures in background/ would be right");
+                  " are taken to be empty; a smaller --background or images in background/ would be right");
     std::vector<int> numbers;
     for (int frame = empty; frame < count; ++frame) numbers.push_back(frame);
     const std::vector<int> chosen = spread(numbers, 2 * options_.instants);
@@ -175,10 +175,10 @@ class Look {
     for (std::size_t i = 0; i < rig_.cameras.size(); ++i) {
       const std::vector<BackgroundPixel> background = backgroundOf(i, empty);
       for (std::size_t k = 0; k < chosen.size(); ++k) {
-        Picture picture(bytesOf(rig_.cameras[i]));
-        frames_[i]->read(chosen[k], picture);
-        sets[k].push_back(silhouette(rig_.cameras[i], picture, background));
-        workGoesOn(double(i * chosen.size() + k + 1) / double(chosen.size() * rig_.cameras.size()));
+        RgbaImage image(bytesOf(rig_.cameras[i]));
+        frames_[i]->read(chosen[k], image);
+        sets[k].push_back(silhouette(rig_.cameras[i], image, background));
+        reportProgress(double(i * chosen.size() + k + 1) / double(chosen.size() * rig_.cameras.size()));
       }
     }
     for (MaskSet& set : sets) keep(std::move(set));
@@ -186,34 +186,34 @@ class Look {
 
   std::vector<BackgroundPixel> backgroundOf(std::size_t index, int empty) {
     const Camera& camera = rig_.cameras[index];
-    std::vector<Picture> shots(std::size_t(std::max(empty, 1)), Picture(bytesOf(camera)));
+    std::vector<RgbaImage> shots(std::size_t(std::max(empty, 1)), RgbaImage(bytesOf(camera)));
     if (empty == 0)
-      readPicture(folder_ / "background" / (camera.name + ".png"), sizeOf(camera), PixelForm::kBgr8,
+      readImage(folder_ / "background" / (camera.name + ".png"), sizeOf(camera), PixelFormat::kBgr8,
                   shots[0]);
     for (int frame = 0; frame < empty; ++frame) frames_[index]->read(frame, shots[std::size_t(frame)]);
     return learnBackgroundReference(shots);
   }
 
-  static Mask silhouette(const Camera& camera, const Picture& picture,
+  static Mask silhouette(const Camera& camera, const RgbaImage& image,
                          const std::vector<BackgroundPixel>& background) {
     std::vector<double> scores(background.size());
     for (std::size_t i = 0; i < scores.size(); ++i)
-      scores[i] = scoreReference(Vec3(picture[3 * i], picture[3 * i + 1], picture[3 * i + 2]), background[i]);
+      scores[i] = scoreReference(Vec3(image[3 * i], image[3 * i + 1], image[3 * i + 2]), background[i]);
     const Mask mask = majorityReference(edgesReference(camera.width, camera.height, scores));
     return closeHolesReference(largestPartReference(mask), largestHole(camera.width));
   }
 
   const path folder_;
   Rig& rig_;
-  const RigTakeOptions options_;
+  const TakeInspectionOptions options_;
   std::vector<std::unique_ptr<FrameSource>> frames_;  // a camera each; null where there are none
   std::vector<std::map<int, path>> masks_;            // a camera each, or none at all
-  RigTake result_;
+  TakeInspection result_;
 };
 
 }  // namespace
 
-RigTake lookAtTake(const path& folder, Rig& rig, const RigTakeOptions& options) {
+TakeInspection inspectTake(const path& folder, Rig& rig, const TakeInspectionOptions& options) {
   if (!std::filesystem::is_directory(folder))
     throw Error(folder.string() + ": there is no such take; a folder with recordings would be right");
   return Look(folder, rig, options).all();

@@ -35,7 +35,7 @@ std::uintmax_t roomOnDisk(const std::filesystem::path& folder) {
   return fault ? UINTMAX_MAX : space.available;
 }
 
-PictureSize sizeOf(const Camera& camera) {
+ImageSize sizeOf(const Camera& camera) {
   return {camera.width, camera.height};
 }
 
@@ -82,7 +82,7 @@ struct TakeWriter::Parts {
   path folder;
   Rig rig;
   Options options;
-  std::vector<cv::VideoWriter> videos;  ///< a camera each; closed where its pictures are files
+  std::vector<cv::VideoWriter> videos;  ///< a camera each; closed where its images are files
   std::ofstream timestamps;
   std::vector<double> last_times_s;
   double later_s = 0;  ///< what is added to times that ran back
@@ -100,7 +100,7 @@ struct TakeWriter::Parts {
   void open();
   void run();
   void writeSet(const TakenSet& set, int frame);
-  void writePicture(std::size_t camera, const Bytes& bytes, int frame);
+  void writeImage(std::size_t camera, const Bytes& bytes, int frame);
   void writeTimes(const std::vector<double>& times_s);
   std::uint64_t bytesOfFiles() const;
   void checkRoom(int frame);
@@ -157,16 +157,16 @@ void TakeWriter::Parts::run() {
 
 void TakeWriter::Parts::writeSet(const TakenSet& set, int frame) {
   checkRoom(frame);
-  // All cameras at once: one core codes four of 640 x 480 at 30 Hz with little to spare (3 ms a picture).
+  // All cameras at once: one core codes four of 640 x 480 at 30 Hz with little to spare (3 ms a image).
   std::vector<std::future<void>> writing;
   for (std::size_t c = 0; c < set.bytes.size(); ++c)
-    writing.push_back(std::async(std::launch::async, [&, c] { writePicture(c, set.bytes[c], frame); }));
+    writing.push_back(std::async(std::launch::async, [&, c] { writeImage(c, set.bytes[c], frame); }));
   for (std::future<void>& one : writing) one.get();
-  // After the pictures: a row tells that they are there.
+  // After the images: a row tells that they are there.
   if (!set.camera_times_s.empty()) writeTimes(set.camera_times_s);
 }
 
-void TakeWriter::Parts::writePicture(std::size_t camera, const Bytes& bytes, int frame) {
+void TakeWriter::Parts::writeImage(std::size_t camera, const Bytes& bytes, int frame) {
   const Camera& of = rig.cameras[camera];
   if (masks()) {
     writePng(folder / "silhouettes" / of.name / numbered(frame), sizeOf(of), rgbaOf(bytes, 1));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Writes a take while it happens: the sets of pictures that were used, without loss, on a thread of its own.
+// Writes a take while it happens: the sets of images that were used, without loss, on a thread of its own.
 #pragma once
 
 #include <filesystem>
@@ -12,25 +12,25 @@
 
 namespace airclay {
 
-/// The pictures of all cameras at one instant, as they were used.
+/// The images of all cameras at one instant, as they were used.
 struct TakenSet {
   std::vector<double> camera_times_s;            ///< one a camera; empty where there are none
   std::vector<std::vector<std::uint8_t>> bytes;  ///< one a camera: BGR, 3 bytes a pixel; or masks, 1 byte
 };
 
-/// Writes rig.toml, NAME.mkv a camera (HuffYUV: no bit is lost, at a tenth of FFV1's time; pictures of odd
+/// Writes rig.toml, NAME.mkv a camera (HuffYUV: no bit is lost, at a tenth of FFV1's time; images of odd
 /// size as NAME/000000.png), or silhouettes/NAME/000000.png of masks, and timestamps.csv, as they come: what
 /// is there when the power fails can be read as a take (TakeOptions::unfinished).
 class TakeWriter {
  public:
   enum class Content {
-    kPictures,
+    kImages,
     kMasks,
     kNothing,  ///< the rig alone
   };
   struct Options {
     double rate_hz = 30;
-    Content content = Content::kPictures;
+    Content content = Content::kImages;
     /// False: a recording from which the rig will be calibrated. Of the rig only names and sizes count, and
     /// there is no rig.toml.
     bool writes_rig = true;
@@ -44,7 +44,7 @@ class TakeWriter {
   TakeWriter(const TakeWriter&) = delete;
   TakeWriter& operator=(const TakeWriter&) = delete;
 
-  /// The empty workspace, one BGR picture a camera. \pre before the first set
+  /// The empty workspace, one BGR image a camera. \pre before the first set
   void writeBackground(const std::vector<std::vector<std::uint8_t>>& bgr);
   /// The next set. Nothing is ever left out: when the disk is slower than the cameras and the queue is full,
   /// this waits. Times that don't grow (a take played again) are moved behind those before.

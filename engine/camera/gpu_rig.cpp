@@ -21,7 +21,7 @@ double positionOfPixel(const Lens& lens, const Vec2& pixel) {
   return lens.model == LensModel::kFisheye ? std::atan2(across, ray->z()) : across / ray->z();
 }
 
-/// The farthest undistorted position in the picture: that of a border pixel.
+/// The farthest undistorted position in the image: that of a border pixel.
 double farthestVisible(const Camera& camera) {
   constexpr int samples = 64;
   double farthest = 0;
@@ -36,7 +36,7 @@ double farthestVisible(const Camera& camera) {
 }
 
 /// The largest partial derivatives of the distortion up to `reach`, {of a coordinate by itself, by the
-/// other}, by central differences on a polar grid; of the fisheye, {of the position in the picture by the
+/// other}, by central differences on a polar grid; of the fisheye, {of the position in the image by the
 /// direction's angle, 0}.
 std::pair<double, double> steepness(const Lens& lens, double reach) {
   Lens unit = lens;
@@ -110,9 +110,9 @@ GpuRig::GpuRig(Gpu& gpu, const Rig& rig) : rig_(rig) {
     c.mask_words = mask_words_;
     c.tile_entries = (c.width + kEntryPixels - 1) / kEntryPixels;
     c.first_entry = tile_entries_;
-    c.picture_words = picture_words_;
+    c.image_words = image_words_;
     c.pixels_before = pixels_;
-    picture_words_ += (3 * c.width * c.height + 7) / 8 * 2;
+    image_words_ += (3 * c.width * c.height + 7) / 8 * 2;
     pixels_ += c.width * c.height;
     max_pixels_ = std::max(max_pixels_, c.width * c.height);
     mask_words_ += c.row_words * c.height;

@@ -8,8 +8,8 @@
 
 namespace airclay {
 
-/// A binary picture, one byte a pixel (0: background, anything else: object), row by row. In the raw,
-/// distorted picture.
+/// A binary image, one byte a pixel (0: background, anything else: object), row by row. In the raw,
+/// distorted image.
 struct Mask {
   int width = 0, height = 0;  ///< pixels
   std::vector<std::uint8_t> pixels;
@@ -32,17 +32,17 @@ class GpuRig {
   /// Entries of all masks' tiles (carve_io.h), and the largest number of any camera's bands of 128 pixels.
   std::uint32_t tileEntries() const { return tile_entries_; }
   std::uint32_t maxBands() const { return max_bands_; }
-  /// Words of all pictures together: BGR bytes, rows without padding, each camera's picture at a whole word;
+  /// Words of all images together: BGR bytes, rows without padding, each camera's image at a whole word;
   /// and one word more, so that a kernel may read four pixels from any byte.
-  std::uint32_t pictureWords() const { return picture_words_ + 1; }
-  /// Pixels of all pictures together.
+  std::uint32_t imageWords() const { return image_words_ + 1; }
+  /// Pixels of all images together.
   std::uint32_t pixels() const { return pixels_; }
   /// The largest number of pixels of any camera.
   std::uint32_t maxPixels() const { return max_pixels_; }
-  /// A camera's picture within a buffer of pictureWords().
-  std::span<std::uint8_t> picture(std::span<std::uint32_t> pictures, std::size_t camera) const {
+  /// A camera's image within a buffer of imageWords().
+  std::span<std::uint8_t> image(std::span<std::uint32_t> images, std::size_t camera) const {
     const GpuCamera& c = host_cameras_[camera];
-    return {reinterpret_cast<std::uint8_t*>(pictures.data() + c.picture_words),
+    return {reinterpret_cast<std::uint8_t*>(images.data() + c.image_words),
             std::size_t(3) * c.width * c.height};
   }
   /// The largest number of rows, and of words a row, of any camera's mask.
@@ -50,7 +50,7 @@ class GpuRig {
   std::uint32_t maxRowWords() const { return max_row_words_; }
 
   /// The size that all cameras share, {0, 0} where they differ: specialization constants 1 and 2 of
-  /// picture.glsl.
+  /// image.glsl.
   std::array<std::uint32_t, 2> sameSize() const;
   /// Bits of the kinds of lens there are: lens.glsl's kLenses.
   std::uint32_t lensKinds() const;
@@ -65,7 +65,7 @@ class GpuRig {
   std::vector<GpuCamera> host_cameras_;
   Buffer<GpuCamera> cameras_;
   std::uint32_t mask_words_ = 0, tile_entries_ = 0, max_bands_ = 0, max_rows_ = 0, max_row_words_ = 0,
-                picture_words_ = 0, pixels_ = 0, max_pixels_ = 0;
+                image_words_ = 0, pixels_ = 0, max_pixels_ = 0;
 };
 
 /// The kernels' form of a camera, all but the memory layout.

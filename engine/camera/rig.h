@@ -30,7 +30,7 @@ struct Lens {
 Lens withMonotonicRange(Lens lens);
 
 struct Camera {
-  std::string name;           ///< also of its video or picture folder
+  std::string name;           ///< also of its video or image folder
   int width = 0, height = 0;  ///< pixels
   Lens lens;
   Pose camera_from_world = Pose::Identity();
@@ -47,11 +47,11 @@ struct Rig {
   Workspace workspace;
 };
 
-/// Where a point in camera coordinates falls, distortion included, whether inside the picture or not.
+/// Where a point in camera coordinates falls, distortion included, whether inside the image or not.
 /// None when it lies behind the camera (z <= 0) or beyond the lens model's monotonic range.
 std::optional<Vec2> projectThroughLens(const Lens& lens, const Vec3& point_in_camera);
 
-/// Where the camera *sees* a point: as above, and inside the picture: -1/2 <= u < width - 1/2, v alike.
+/// Where the camera *sees* a point: as above, and inside the image: -1/2 <= u < width - 1/2, v alike.
 std::optional<Vec2> project(const Camera& camera, const Vec3& point_in_world);
 
 /// The unit direction, in camera coordinates, of the light that falls on a pixel: projectThroughLens' inverse
@@ -70,7 +70,7 @@ Rig readRig(const std::filesystem::path& file, RigUnits units = RigUnits::kAsWri
 /// What a file says of one camera, before it is believed. Shared by every reader of rigs.
 struct CameraEntry {
   std::string name;
-  int width = 0, height = 0;       ///< pixels; 0 x 0: not said, the pictures do
+  int width = 0, height = 0;       ///< pixels; 0 x 0: not said, the images do
   Mat3 matrix = Mat3::Identity();  ///< OpenCV's camera matrix
   /// 4, 5 or 8 values in OpenCV's order, or 12 or 14 of which the 9th and later are 0; 4 for the fisheye
   /// model.
@@ -86,8 +86,8 @@ Camera cameraFromEntry(const CameraEntry& entry, const std::string& where);
 
 /// More cameras than this in one rig is a mistaken file.
 inline constexpr int kMaxCameras = 32;
-/// Pictures are at least this wide and high, in pixels, and at most this: 0.8 GB a picture.
-inline constexpr int kMinPictureSide = 16, kMaxPictureSide = 16384;
+/// Images are at least this wide and high, in pixels, and at most this: 0.8 GB a image.
+inline constexpr int kMinImageSide = 16, kMaxImageSide = 16384;
 
 /// How rotations are written: three numbers (Rodrigues), as every program reads them; or as matrices, which
 /// readRig reads back to the last bit.
@@ -98,7 +98,7 @@ void writeRig(const std::filesystem::path& file, const Rig& rig,
               WrittenRotations rotations = WrittenRotations::kRodrigues);
 
 /// \throw Error with the reason when the rig cannot be real: fewer than two cameras or more than kMaxCameras;
-/// two of one name; NaN; a focal length or a picture's size out of bounds; a rotation that is none; a camera
+/// two of one name; NaN; a focal length or a image's size out of bounds; a rotation that is none; a camera
 /// inside the cube; two cameras within edge/100 of each other; one farther than 1,000 edges; a camera that
 /// sees nothing of the cube. `file` is named in the message.
 void checkRig(const Rig& rig, const std::filesystem::path& file);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Whether a rig can be real: what a mistyped or mixed-up calibration looks like before any picture is
+// Whether a rig can be real: what a mistyped or mixed-up calibration looks like before any image is
 // decoded.
 #include <algorithm>
 #include <cmath>
@@ -46,7 +46,7 @@ Mat3 rotationFromEntry(const CameraEntry& entry, const std::string& where) {
 
 /// The faults found so far.
 struct Faults {
-  std::vector<RigFinding> found;
+  std::vector<RigDiagnostic> found;
 
   void add(const std::string& camera, const std::string& what) {
     found.push_back({Severity::kFault, camera, what});
@@ -61,8 +61,8 @@ bool isFinite(const Camera& camera) {
          camera.camera_from_world.matrix().allFinite();
 }
 
-bool hasPicture(const Camera& camera) {
-  return camera.width >= kMinPictureSide && camera.height >= kMinPictureSide && camera.lens.fx > 0 &&
+bool hasImage(const Camera& camera) {
+  return camera.width >= kMinImageSide && camera.height >= kMinImageSide && camera.lens.fx > 0 &&
          camera.lens.fy > 0;
 }
 
@@ -72,11 +72,11 @@ void checkSize(const Camera& camera, Faults& faults) {
         camera.name,
         "size is missing; [width, height] in pixels, or a recording that says it, would be right");
   for (const int side : {camera.width, camera.height})
-    if (side < kMinPictureSide || side > kMaxPictureSide)
+    if (side < kMinImageSide || side > kMaxImageSide)
       return faults.add(camera.name, "size is " + std::to_string(camera.width) + " x " +
                                          std::to_string(camera.height) + "; " +
-                                         std::to_string(kMinPictureSide) + " to " +
-                                         std::to_string(kMaxPictureSide) + " pixels a side would be right");
+                                         std::to_string(kMinImageSide) + " to " +
+                                         std::to_string(kMaxImageSide) + " pixels a side would be right");
 }
 
 void checkCamera(const Camera& camera, Faults& faults) {
@@ -104,7 +104,7 @@ void checkCamera(const Camera& camera, Faults& faults) {
     faults.add(name, "translation holds a value that is no finite number");
 }
 
-/// Whether any of a grid's points in the cube, its corners and centre among them, falls into the picture.
+/// Whether any of a grid's points in the cube, its corners and centre among them, falls into the image.
 bool seesSome(const Camera& camera, const Workspace& workspace) {
   constexpr int kSteps = 16;  // edge/16: what a telephoto lens sees of the cube is larger than that
   for (int i = 0; i <= kSteps; ++i)
@@ -140,9 +140,9 @@ void checkPlace(const Rig& rig, size_t index, Faults& faults) {
                                   "\"; at least a hundredth of the workspace's edge (" + text(edge * 10) +
                                   " mm) would be right");
   }
-  if (hasPicture(camera) && !seesSome(camera, rig.workspace))
+  if (hasImage(camera) && !seesSome(camera, rig.workspace))
     faults.add(camera.name, "it sees nothing of the workspace's cube (edge " + text(edge) +
-                                " m); a [workspace] in every camera's picture would be right");
+                                " m); a [workspace] in every camera's image would be right");
 }
 
 }  // namespace
@@ -180,13 +180,13 @@ Camera cameraFromEntry(const CameraEntry& entry, const std::string& where) {
   return camera;
 }
 
-std::string faultMessage(const RigFinding& finding, const std::string& where) {
+std::string faultMessage(const RigDiagnostic& finding, const std::string& where) {
   if (!finding.camera.empty()) return cameraIn(where, finding.camera) + finding.what;
   return finding.what.starts_with(where + "/") ? finding.what : where + ": " + finding.what;
 }
 
-RigFinding faultFrom(const Error& error, const std::string& where) {
-  RigFinding fault{Severity::kFault, "", error.what()};
+RigDiagnostic faultFrom(const Error& error, const std::string& where) {
+  RigDiagnostic fault{Severity::kFault, "", error.what()};
   std::string& what = fault.what;
   if (what.starts_with(where + ": ")) what.erase(0, where.size() + 2);
   const std::string before = "camera \"", after = "\": ";
@@ -197,7 +197,7 @@ RigFinding faultFrom(const Error& error, const std::string& where) {
   return fault;
 }
 
-std::vector<RigFinding> rigFaults(const Rig& rig) {
+std::vector<RigDiagnostic> rigErrors(const Rig& rig) {
   Faults faults;
   const size_t count = rig.cameras.size();
   if (count < 2 || count > kMaxCameras)
@@ -225,11 +225,11 @@ bool canBeMeasured(const Rig& rig) {
   return rig.workspace.center.allFinite() && rig.workspace.edge_m > 0 &&
          std::isfinite(rig.workspace.edge_m) &&
          std::all_of(rig.cameras.begin(), rig.cameras.end(),
-                     [](const Camera& camera) { return isFinite(camera) && hasPicture(camera); });
+                     [](const Camera& camera) { return isFinite(camera) && hasImage(camera); });
 }
 
 void checkRig(const Rig& rig, const std::filesystem::path& file) {
-  const std::vector<RigFinding> faults = rigFaults(rig);
+  const std::vector<RigDiagnostic> faults = rigErrors(rig);
   if (!faults.empty()) throw Error(faultMessage(faults.front(), file.string()));
 }
 

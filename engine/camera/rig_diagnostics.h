@@ -11,10 +11,10 @@ namespace airclay {
 
 enum class Severity {
   kFault,      ///< such a rig is refused
-  kSuspicion,  ///< it may be meant, but is more often a mistake
+  kWarning,  ///< it may be meant, but is more often a mistake
 };
 
-struct RigFinding {
+struct RigDiagnostic {
   Severity severity = Severity::kFault;
   std::string camera;  ///< whose; empty: the whole rig's
   std::string what;    ///< what is wrong and what would be right, in one line
@@ -22,17 +22,17 @@ struct RigFinding {
 
 /// The finding as an Error says it: `FILE: camera "NAME": …`. `where`: the rig's file, or the folder of its
 /// files, one of which the finding names itself then.
-std::string faultMessage(const RigFinding& finding, const std::string& where);
+std::string faultMessage(const RigDiagnostic& finding, const std::string& where);
 
 /// Its inverse.
-RigFinding faultFrom(const Error& error, const std::string& where);
+RigDiagnostic faultFrom(const Error& error, const std::string& where);
 
-/// A rig as it stands in its file: not checked, a camera whose size is not written is 0 x 0 (its pictures
+/// A rig as it stands in its file: not checked, a camera whose size is not written is 0 x 0 (its images
 /// say it), and one that cannot be read is left out and among the faults.
 struct RigReading {
   std::string where;  ///< what messages name: the file, or the folder of several
   Rig rig;
-  std::vector<RigFinding> faults;  ///< in the file's order
+  std::vector<RigDiagnostic> faults;  ///< in the file's order
 
   /// \throw Error with the first fault, if there is one.
   const Rig& rigWithoutFaults() const;
@@ -42,15 +42,15 @@ struct RigReading {
 RigReading readRigWithFaults(const std::filesystem::path& file, RigUnits units = RigUnits::kAsWritten);
 
 /// All that checkRig refuses.
-std::vector<RigFinding> rigFaults(const Rig& rig);
+std::vector<RigDiagnostic> rigErrors(const Rig& rig);
 
 /// Whether anything can be computed with it: a cube, sizes, focal lengths above 0, and finite numbers all.
 bool canBeMeasured(const Rig& rig);
 
-/// What looks like a mistake: units, axes and directions of poses, a size or a matrix of other pictures, a
-/// lens that ends inside its picture, cameras too far, too close together, or that see too little.
+/// What looks like a mistake: units, axes and directions of poses, a size or a matrix of other images, a
+/// lens that ends inside its image, cameras too far, too close together, or that see too little.
 /// \pre canBeMeasured(rig)
-std::vector<RigFinding> rigSuspicions(const Rig& rig);
+std::vector<RigDiagnostic> rigWarnings(const Rig& rig);
 
 /// A camera, measured against the workspace.
 struct CameraFigures {

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
 
-// A camera's principal point is that far from the picture's centre, in picture widths, when it was made so:
+// A camera's principal point is that far from the image's centre, in image widths, when it was made so:
 // webcams stay within 5 %.
 constexpr double kFarPrincipalPoint = 0.15;
 // Pixels of cameras are square to a thousandth; calibrations of few views stray by 1 or 2 %.
@@ -72,7 +72,7 @@ double viewDegrees(const Camera& camera) {
   const std::optional<Vec3> left = rayThroughPixel(lens, {-0.5, lens.cy});
   const std::optional<Vec3> right = rayThroughPixel(lens, {camera.width - 0.5, lens.cy});
   if (left && right) return kDegrees * std::atan2(left->cross(*right).norm(), left->dot(*right));
-  // The lens ends within the picture: what it shows is twice its range.
+  // The lens ends within the image: what it shows is twice its range.
   const double limit = lens.monotonic_limit;
   return 2 * kDegrees * (lens.model == LensModel::kFisheye ? limit : std::atan(limit));
 }
@@ -117,10 +117,10 @@ class Inspection {
  public:
   explicit Inspection(const Rig& rig) : rig_(rig), figures_(measureRig(rig)) {}
 
-  std::vector<RigFinding> all() {
+  std::vector<RigDiagnostic> all() {
     if (rig_.cameras.empty()) return {};
     for (size_t i = 0; i < rig_.cameras.size(); ++i) {
-      lookAtPicture(rig_.cameras[i]);
+      inspectImage(rig_.cameras[i]);
       lookAtLens(rig_.cameras[i], figures_.cameras[i]);
     }
     // Each of these explains what the next would say again in other words.
@@ -133,11 +133,11 @@ class Inspection {
 
  private:
   void add(const std::string& camera, const std::string& what) {
-    found_.push_back({Severity::kSuspicion, camera, what});
+    found_.push_back({Severity::kWarning, camera, what});
   }
 
-  /// Whether matrix and size are of the same picture.
-  void lookAtPicture(const Camera& camera) {
+  /// Whether matrix and size are of the same image.
+  void inspectImage(const Camera& camera) {
     const Lens& lens = camera.lens;
     const double w = camera.width, h = camera.height;
     const auto isCentre = [](double principal, double side) {
@@ -145,24 +145,24 @@ class Inspection {
     };
     if (!isCentre(lens.cx, w) || !isCentre(lens.cy, h)) {
       const double scale_x = (lens.cx + 0.5) / (0.5 * w), scale_y = (lens.cy + 0.5) / (0.5 * h);
-      std::string right = "a matrix of pictures of this size would be right";
+      std::string right = "a matrix of images of this size would be right";
       if (isCentre(lens.cx, h) && isCentre(lens.cy, w))
-        right = "are width and height exchanged, or the pictures turned by 90 degrees?";
+        right = "are width and height exchanged, or the images turned by 90 degrees?";
       else if (std::abs(scale_x / scale_y - 1) < 0.1)
-        right = "is the matrix of pictures " + text(scale_x, 2) + " times as large?";
+        right = "is the matrix of images " + text(scale_x, 2) + " times as large?";
       add(camera.name, "its principal point (" + text(lens.cx) + ", " + text(lens.cy) +
                            ") is far from the centre of " + text(w, 5) + " x " + text(h, 5) + " pixels; " +
                            right);
     }
     if (std::abs(lens.fx / lens.fy - 1) > kUnequalFocalLengths)
       add(camera.name, "its focal lengths differ, " + text(lens.fx, 4) + " and " + text(lens.fy, 4) +
-                           " pixels; equal ones to 1 % would be right, unless the pictures are stretched");
+                           " pixels; equal ones to 1 % would be right, unless the images are stretched");
   }
 
   void lookAtLens(const Camera& camera, const CameraFigures& figures) {
     if (figures.view_deg < kNarrowView_deg || figures.view_deg > kWideView_deg)
       add(camera.name, "it sees an angle of " + text(figures.view_deg) +
-                           " degrees; is the focal length in pixels of this picture?");
+                           " degrees; is the focal length in pixels of this image?");
     int blind = 0, all = 0;
     constexpr int kSteps = 24;
     for (int i = 0; i <= kSteps; ++i)
@@ -170,7 +170,7 @@ class Inspection {
         blind += !rayThroughPixel(camera.lens,
                                   {i * (camera.width - 1.0) / kSteps, j * (camera.height - 1.0) / kSteps});
     if (blind)
-      add(camera.name, "its lens model ends inside the picture: " + percent(double(blind) / all) +
+      add(camera.name, "its lens model ends inside the image: " + percent(double(blind) / all) +
                            " of the pixels have no ray; fewer distortion coefficients, or a calibration with "
                            "views up to the corners, would be right");
   }
@@ -220,7 +220,7 @@ class Inspection {
       add(camera.name, "it does not see the cube's centre; turn it there, or move [workspace] center");
     if (figures.pixels_per_mm < kFewPixelsPerMm)
       add(camera.name, "a pixel is " + text(1 / figures.pixels_per_mm) +
-                           " mm at the cube's centre; a nearer camera or a larger picture would be right");
+                           " mm at the cube's centre; a nearer camera or a larger image would be right");
   }
 
   /// Up is z. A board's own frame, which many rigs are left in, has z into the board.
@@ -267,7 +267,7 @@ class Inspection {
 
   const Rig& rig_;
   const RigFigures figures_;
-  std::vector<RigFinding> found_;
+  std::vector<RigDiagnostic> found_;
 };
 
 }  // namespace
@@ -290,7 +290,7 @@ RigFigures measureRig(const Rig& rig) {
   return figures;
 }
 
-std::vector<RigFinding> rigSuspicions(const Rig& rig) {
+std::vector<RigDiagnostic> rigWarnings(const Rig& rig) {
   return Inspection(rig).all();
 }
 

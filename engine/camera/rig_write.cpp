@@ -249,42 +249,42 @@ void writeRig(const std::filesystem::path& file, const Rig& rig, WrittenRotation
   writeWhole(file, out.str());
 }
 
-std::optional<RigForm> rigFormNamed(std::string_view name) {
-  if (name == "airclay") return RigForm::kAirclay;
-  if (name == "anipose") return RigForm::kAnipose;
-  if (name == "caliscope") return RigForm::kCaliscope;
-  if (name == "pose2sim") return RigForm::kPose2Sim;
-  if (name == "easymocap") return RigForm::kEasyMocap;
+std::optional<RigFormat> rigFormatNamed(std::string_view name) {
+  if (name == "airclay") return RigFormat::kAirclay;
+  if (name == "anipose") return RigFormat::kAnipose;
+  if (name == "caliscope") return RigFormat::kCaliscope;
+  if (name == "pose2sim") return RigFormat::kPose2Sim;
+  if (name == "easymocap") return RigFormat::kEasyMocap;
   return std::nullopt;
 }
 
-void writeRigAs(RigForm form, const std::filesystem::path& file, const Rig& rig) {
+void writeRigAs(RigFormat form, const std::filesystem::path& file, const Rig& rig) {
   switch (form) {
-    case RigForm::kAirclay:
+    case RigFormat::kAirclay:
       return writeRig(file, rig);
-    case RigForm::kAnipose:
+    case RigFormat::kAnipose:
       return writeWhole(file, aniposeText(rig));
-    case RigForm::kCaliscope:
+    case RigFormat::kCaliscope:
       return writeWhole(file, caliscopeText(rig));
-    case RigForm::kPose2Sim:
+    case RigFormat::kPose2Sim:
       return writeWhole(file, pose2SimText(rig));
-    case RigForm::kEasyMocap:
+    case RigFormat::kEasyMocap:
       return writeEasyMocap(file, rig);
   }
 }
 
-std::vector<std::string> rigFormNotes(RigForm form, const Rig& rig) {
+std::vector<std::string> rigFormatNotes(RigFormat form, const Rig& rig) {
   std::vector<std::string> notes;
   const std::vector<std::string> numbers = caliscopeNumbers(rig);
   for (size_t i = 0; i < rig.cameras.size(); ++i) {
     const Camera& camera = rig.cameras[i];
     const std::string named = "camera \"" + camera.name + "\"";
-    if (form == RigForm::kPose2Sim && isFisheye(camera))
+    if (form == RigFormat::kPose2Sim && isFisheye(camera))
       notes.push_back(named + " has a fisheye lens; Pose2Sim takes every lens for a perspective one");
-    if (form == RigForm::kCaliscope && isRational(camera.lens))
+    if (form == RigFormat::kCaliscope && isRational(camera.lens))
       notes.push_back(named +
                       " has 8 distortion coefficients; Caliscope itself makes 5, and shows no others");
-    if (form == RigForm::kCaliscope && camera.name != "cam_" + numbers[i])
+    if (form == RigFormat::kCaliscope && camera.name != "cam_" + numbers[i])
       notes.push_back(named + " is number " + numbers[i] + " to Caliscope; its video must be cam_" +
                       numbers[i] + ".mp4 there");
   }

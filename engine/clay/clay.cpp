@@ -10,7 +10,7 @@ Clay::Clay(Gpu& gpu, const ClayState& state, const Vec3& workspace_center)
       workspace_center_(workspace_center),
       workspace_from_clay_(state.workspace_from_clay),
       cage_faces_(state.cage.faces),
-      solve_rows_(state.solve),
+      solve_method_(state.solve),
       levels_(state.levels),
       subdivision_(subdivide(state.cage, state.levels, state.rule)),
       evaluator_(gpu, subdivision_),

@@ -16,7 +16,7 @@ void checkClayState(const ClayState& state, const std::string& where) {
   if (points.size() > kMaxStatePoints)
     throw Error(where + ": " + std::to_string(points.size()) + " control points are too many; at most " +
                 std::to_string(kMaxStatePoints) + " would be right");
-  if (state.solve == SolveRows::kAll && points.size() > AllRowsSolver::kMaxControlPoints)
+  if (state.solve == SolveMethod::kAll && points.size() > AllRowsSolver::kMaxControlPoints)
     throw Error(where + ": " + std::to_string(points.size()) +
                 " control points are too many for the solve 'all', which takes at most " +
                 std::to_string(AllRowsSolver::kMaxControlPoints) + "; the solve 'touched' would be right");

@@ -15,7 +15,7 @@ struct ClayState {
   PolygonMesh cage;  ///< metres, world
   SubdivisionRule rule = SubdivisionRule::kCatmullClark;
   int levels = 2;
-  SolveRows solve = SolveRows::kAll;
+  SolveMethod solve = SolveMethod::kAll;
   /// How the clay's own frame stands in the workspace's: the planes of symmetry are the clay's, and turn with
   /// it. Where the control points are, `cage` says alone.
   Eigen::Quaterniond workspace_from_clay = Eigen::Quaterniond::Identity();

@@ -49,8 +49,8 @@ constexpr const char* kHasTurns = "SELECT count(*) FROM pragma_table_info('entry
 
 constexpr std::pair<SubdivisionRule, const char*> kRules[] = {
     {SubdivisionRule::kCatmullClark, "catmull-clark"}, {SubdivisionRule::kPrinted, "printed"}};
-constexpr std::pair<SolveRows, const char*> kSolves[] = {{SolveRows::kAll, "all"},
-                                                         {SolveRows::kTouched, "touched"}};
+constexpr std::pair<SolveMethod, const char*> kSolves[] = {{SolveMethod::kAll, "all"},
+                                                         {SolveMethod::kTouched, "touched"}};
 
 template <class Value, std::size_t n>
 std::string wordOf(const std::pair<Value, const char*> (&words)[n], Value value) {
@@ -311,7 +311,7 @@ Document::Loaded Document::load(const Entry& entry) const {
   if (!select.bind(1, entry.id).next())
     database_.failDamaged("entry " + std::to_string(entry.id) + " is missing");
   const std::optional<SubdivisionRule> rule = valueOf(kRules, select.text(0));
-  const std::optional<SolveRows> solve = valueOf(kSolves, select.text(2));
+  const std::optional<SolveMethod> solve = valueOf(kSolves, select.text(2));
   if (!rule || !solve)
     throw Error(where(entry) + " has an unknown " +
                 (rule ? "solve; all or touched" : "rule; catmull-clark or printed") + " would be right");

@@ -9,7 +9,7 @@ namespace airclay {
 
 ClayState refine(const ClayState& state) {
   const Subdivision step = subdivide(state.cage, 1, state.rule);
-  const bool all_rows = state.solve == SolveRows::kAll;
+  const bool all_rows = state.solve == SolveMethod::kAll;
   const std::size_t most = all_rows ? AllRowsSolver::kMaxControlPoints : kMaxStatePoints;
   if (static_cast<std::size_t>(step.matrix.rows()) > most)
     throw Error(

@@ -15,7 +15,7 @@
 namespace airclay {
 
 /// Which rows of A a move is solved over.
-enum class SolveRows {
+enum class SolveMethod {
   kAll,      ///< every data point: those not moved hold their place as well as the surface can
   kTouched,  ///< the moved ones alone: the rest follows freely
 };
@@ -36,7 +36,7 @@ inline constexpr double kTouchedDamping = 0.1;
 /// New control points, exact Moore-Penrose over the chosen rows (damping = 0) or damped least squares
 /// (damping > 0, rows = kTouched). Every moved row counts once: \pre indices are in range and different.
 std::vector<Vec3> solveControlPoints(const StencilMatrix& matrix, const std::vector<Vec3>& control_points,
-                                     const std::vector<Move>& moves, SolveRows rows, double damping = 0);
+                                     const std::vector<Move>& moves, SolveMethod rows, double damping = 0);
 
 /// The repeated `all` solve of one subdivision: factored once, kept as long as the matrix holds.
 /// displacement of control points = gram_inverse() * (Aᵀ * displacement of data points).

@@ -149,12 +149,12 @@ void checkMoves(const StencilMatrix& matrix, const std::vector<Move>& moves) {
 }  // namespace
 
 std::vector<Vec3> solveControlPoints(const StencilMatrix& matrix, const std::vector<Vec3>& control_points,
-                                     const std::vector<Move>& moves, SolveRows rows, double damping) {
+                                     const std::vector<Move>& moves, SolveMethod rows, double damping) {
   checkMoves(matrix, moves);
   std::vector<Vec3> solved = control_points;
   if (moves.empty()) return solved;
   const Displacements wanted = moveDisplacements(matrix, control_points, moves);
-  if (rows == SolveRows::kAll) {
+  if (rows == SolveMethod::kAll) {
     if (damping > 0) throw Error("the solve over all rows takes no damping; solve the touched rows");
     Displacements all_wanted = Displacements::Zero(matrix.rows(), 3);  // those not moved are to stay
     for (size_t i = 0; i < moves.size(); ++i) all_wanted.row(moves[i].index) = wanted.row(Eigen::Index(i));
@@ -216,11 +216,11 @@ AllRowsSolver::AllRowsSolver(const StencilMatrix& matrix) {
     throw Error("a cage of " + std::to_string(matrix.cols()) +
                 " control points is too large to sculpt; it can have up to " +
                 std::to_string(kMaxControlPoints));
-  workGoesOn(0.0);
+  reportProgress(0.0);
   const StencilMatrix transposed = matrix.transpose();
   const Eigen::LLT<MatrixXd> factor{MatrixXd(StencilMatrix(transposed * matrix))};
   if (factor.info() == Eigen::Success && factor.rcond() > kWellConditioned) {
-    workGoesOn(0.3);  // two thirds of n^3 are the inverse
+    reportProgress(0.3);  // two thirds of n^3 are the inverse
     gram_inverse_ = factor.solve(MatrixXd::Identity(matrix.cols(), matrix.cols()));
   } else {
     // (AᵀA)⁺ = V Σ⁺² Vᵀ, from the singular values of A itself.

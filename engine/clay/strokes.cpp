@@ -8,12 +8,12 @@ namespace airclay {
 StrokeEvent StrokeWatch::see(const StrokeFrame& frame, const std::string& tool) {
   const bool backwards = frame.time_s < std::exchange(last_frame_s_, frame.time_s);
   const bool touches = frame.touched > 0 && frame.held && frame.tracked;
-  if (under_way_) {
+  if (active_) {
     // However slow the frames: a gap is one that was seen.
     const bool gap = !touches && frame.time_s - last_touch_s_ >= kStrokeGapSeconds;
     if (backwards || gap || !frame.held || !frame.tracked || tool != name_) return finish();
   } else if (touches) {
-    under_way_ = true;
+    active_ = true;
     name_ = tool;
     last_touch_s_ = frame.time_s;
     return StrokeEvent::kBegan;
@@ -23,7 +23,7 @@ StrokeEvent StrokeWatch::see(const StrokeFrame& frame, const std::string& tool) 
 }
 
 StrokeEvent StrokeWatch::finish() {
-  return std::exchange(under_way_, false) ? StrokeEvent::kEnded : StrokeEvent::kNone;
+  return std::exchange(active_, false) ? StrokeEvent::kEnded : StrokeEvent::kNone;
 }
 
 }  // namespace airclay

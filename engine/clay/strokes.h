@@ -34,12 +34,12 @@ class StrokeWatch {
   /// Ends the stroke that is under way, if any: before undo, saving, another document, at the end of a take.
   StrokeEvent finish();
 
-  bool underWay() const { return under_way_; }
+  bool active() const { return active_; }
   /// Of the stroke that is under way or else ended last.
   const std::string& name() const { return name_; }
 
  private:
-  bool under_way_ = false;
+  bool active_ = false;
   std::string name_;
   double last_touch_s_ = 0, last_frame_s_ = 0;
 };

@@ -38,7 +38,7 @@ SurfaceEvaluator::SurfaceEvaluator(Gpu& gpu, const Subdivision& subdivision)
   columns.reserve(static_cast<std::size_t>(matrix.nonZeros()));
   weights.reserve(static_cast<std::size_t>(matrix.nonZeros()));
   for (int row = 0; row < matrix.outerSize(); ++row) {
-    workGoesOn(std::size_t(row), data_point_count);
+    reportProgress(std::size_t(row), data_point_count);
     for (StencilMatrix::InnerIterator entry(matrix, row); entry; ++entry) {
       columns.push_back(static_cast<std::uint32_t>(entry.col()));
       weights.push_back(static_cast<float>(entry.value()));

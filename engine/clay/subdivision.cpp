@@ -125,7 +125,7 @@ StencilMatrix catmullClarkMatrix(const Far::TopologyRefiner& refiner) {
   const double* weights = table->GetWeights().data();
   std::vector<std::pair<int, double>> row;
   for (int r = 0; r < table->GetNumStencils(); ++r) {
-    workGoesOn(size_t(r), size_t(table->GetNumStencils()));
+    reportProgress(size_t(r), size_t(table->GetNumStencils()));
     const int size = table->GetSizes()[size_t(r)];
     row.clear();
     for (int k = 0; k < size; ++k) row.emplace_back(columns[k], weights[k]);
@@ -202,7 +202,7 @@ class PrintedStep {
 StencilMatrix printedMatrix(const Far::TopologyRefiner& refiner) {
   StencilMatrix matrix = PrintedStep(refiner.GetLevel(0)).matrix();
   for (int level = 1; level < refiner.GetMaxLevel(); ++level) {
-    workGoesOn(double(level) / refiner.GetMaxLevel());
+    reportProgress(double(level) / refiner.GetMaxLevel());
     matrix = StencilMatrix(PrintedStep(refiner.GetLevel(level)).matrix() * matrix);
   }
   return matrix;
@@ -223,7 +223,7 @@ std::vector<std::array<int, 4>> lastQuads(const Far::TopologyRefiner& refiner) {
 Subdivision subdivide(const PolygonMesh& cage, int levels, SubdivisionRule rule) {
   checkCage(cage, "control cage");
   checkSize(cage, levels);
-  workGoesOn(0.0);  // OpenSubdiv itself says nothing
+  reportProgress(0.0);  // OpenSubdiv itself says nothing
   const std::unique_ptr<Far::TopologyRefiner> refiner = refine(cage, levels);
   return {rule == SubdivisionRule::kCatmullClark ? catmullClarkMatrix(*refiner) : printedMatrix(*refiner),
           lastQuads(*refiner)};

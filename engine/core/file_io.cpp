@@ -43,7 +43,7 @@ std::string reason() {
 
 void writeAll(FileHandle& handle, const std::string& content, const std::string& name) {
   for (size_t written = 0; written < content.size();) {
-    workGoesOn(double(written) / double(content.size()));
+    reportProgress(double(written) / double(content.size()));
     const size_t most = std::min(content.size() - written, kWrittenAtOnce);
     const ssize_t count = ::write(handle.get(), content.data() + written, most);
     if (count < 0 && errno == EINTR) continue;

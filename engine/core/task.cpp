@@ -4,24 +4,24 @@
 namespace airclay {
 namespace {
 
-thread_local LongWork* told = nullptr;
+thread_local Task* told = nullptr;
 
 }  // namespace
 
-LongWork::LongWork() : before_(told) {
+Task::Task() : before_(told) {
   told = this;
 }
 
-LongWork::~LongWork() {
+Task::~Task() {
   told = before_;
 }
 
-void workGoesOn(double share) {
-  if (told) told->goesOn(share);
+void reportProgress(double share) {
+  if (told) told->onProgress(share);
 }
 
-void workGoesOn(std::size_t done, std::size_t total) {
-  if (told && done % 4096 == 0) told->goesOn(static_cast<double>(done) / static_cast<double>(total));
+void reportProgress(std::size_t done, std::size_t total) {
+  if (told && done % 4096 == 0) told->onProgress(static_cast<double>(done) / static_cast<double>(total));
 }
 
 }  // namespace airclay

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Work that takes long says how far it is, and can be cancelled.
 //
-// Loops that may run for seconds (subdividing, reading and writing meshes, factorizing) call workGoesOn().
-// Whoever wants to know puts a LongWork in place on the thread that does the work; otherwise nothing happens.
+// Loops that may run for seconds (subdividing, reading and writing meshes, factorizing) call reportProgress().
+// Whoever wants to know puts a Task in place on the thread that does the work; otherwise nothing happens.
 #pragma once
 
 #include <cstddef>
@@ -10,24 +10,24 @@
 namespace airclay {
 
 /// Told of the work that is done on this thread while it exists. The one put in place last is told.
-class LongWork {
+class Task {
  public:
-  LongWork();
-  virtual ~LongWork();
-  LongWork(const LongWork&) = delete;
-  LongWork& operator=(const LongWork&) = delete;
+  Task();
+  virtual ~Task();
+  Task(const Task&) = delete;
+  Task& operator=(const Task&) = delete;
 
   /// `share` of the step under way is done, 0 to 1. To cancel, throw: the work unwinds and leaves everything
   /// as it was.
-  virtual void goesOn(double share) = 0;
+  virtual void onProgress(double share) = 0;
 
  private:
-  LongWork* const before_;
+  Task* const before_;
 };
 
-/// Tells the thread's LongWork, if any. Cheap enough for every few thousand elements. \throw what cancels
-void workGoesOn(double share);
+/// Tells the thread's Task, if any. Cheap enough for every few thousand elements. \throw what cancels
+void reportProgress(double share);
 /// The same for element `done` of `total`, of which every 4,096th is told.
-void workGoesOn(std::size_t done, std::size_t total);
+void reportProgress(std::size_t done, std::size_t total);
 
 }  // namespace airclay

@@ -6,7 +6,7 @@
 //     bytes GraphicsPipeline<LineArgs> lines(gpu, "lines", {line_vert, line_frag}, {.blend = Blend::kAlpha});
 //     Canvas canvas(gpu, 640, 480);
 //     render(recorder, canvas.pass(vec4(0, 0, 0, 1)), {draw(lines, args, 2 * count)});
-//     copyToBuffer(recorder, canvas.resolved, picture.raw());
+//     copyToBuffer(recorder, canvas.resolved, image.raw());
 //
 // There is no vertex input and no texture: shaders read all through the arguments' device pointers, by
 // gl_VertexIndex or by pixel, and the recorder derives the barriers from these as it does for kernels.
@@ -27,7 +27,7 @@ enum class Blend {
 /// What is fixed when a graphics pipeline is made.
 struct GraphicsOptions {
   VkPrimitiveTopology topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
-  /// Front faces are anticlockwise in the picture, as our meshes are from outside.
+  /// Front faces are anticlockwise in the image, as our meshes are from outside.
   VkCullModeFlags cull = VK_CULL_MODE_NONE;
   bool depth_test = true;   ///< nearer or equal passes
   bool depth_write = true;  ///< only with depth_test
@@ -137,13 +137,13 @@ struct RenderPass {
 /// Records the draws in order. Barriers that their arguments need come before the whole pass.
 void render(Recorder& recorder, const RenderPass& pass, const std::vector<Draw>& draws);
 
-/// The images of one picture: colour and depth with kSamples samples, and the colour resolved.
+/// The images of one image: colour and depth with kSamples samples, and the colour resolved.
 struct Canvas {
   Image color, depth, resolved;
 
   Canvas() = default;
   Canvas(Gpu& gpu, std::uint32_t width, std::uint32_t height);
-  /// A pass that starts from an empty picture.
+  /// A pass that starts from an empty image.
   RenderPass pass(const vec4& clear_color) { return {&color, &resolved, &depth, clear_color, 1.0f}; }
 };
 

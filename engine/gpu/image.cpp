@@ -56,7 +56,7 @@ Image::Image(Gpu& gpu, ImageKind kind, std::uint32_t width, std::uint32_t height
   samples_ = samples;
   const std::uint32_t most = gpu.limits().maxImageDimension2D;
   if (width == 0 || height == 0 || width > most || height > most)
-    throw Error("a picture of " + std::to_string(width) + " x " + std::to_string(height) +
+    throw Error("a image of " + std::to_string(width) + " x " + std::to_string(height) +
                     " pixels cannot be drawn on " + gpu.info().name + "; 1 to " + std::to_string(most) +
                     " along each side would be right",
                 Fault::kDevice);
@@ -119,7 +119,7 @@ void Image::transition(VkCommandBuffer commands, VkImageLayout layout, bool keep
 void copyImage(Recorder& recorder, Image& from, Image& to) {
   if (from.kind() != to.kind() || from.width() != to.width() || from.height() != to.height())
     throw Error("an image is copied to one of another kind or size", Fault::kDevice);
-  VkCommandBuffer commands = recorder.commandsFor("copy picture", {});
+  VkCommandBuffer commands = recorder.commandsFor("copy image", {});
   from.transition(commands, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, true);
   to.transition(commands, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, false);
   VkImageCopy region{};
@@ -131,8 +131,8 @@ void copyImage(Recorder& recorder, Image& from, Image& to) {
 
 void copyToBuffer(Recorder& recorder, Image& image, const RawBuffer& buffer, std::uint64_t offset) {
   if (offset + 4ull * image.width() * image.height() > buffer.bytes())
-    throw Error("a picture is larger than the buffer that it is copied to", Fault::kDevice);
-  VkCommandBuffer commands = recorder.commandsFor("copy picture", {{buffer.address(), false, true}});
+    throw Error("a image is larger than the buffer that it is copied to", Fault::kDevice);
+  VkCommandBuffer commands = recorder.commandsFor("copy image", {{buffer.address(), false, true}});
   image.transition(commands, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, true);
   VkBufferImageCopy region{};
   region.bufferOffset = buffer.offset() + offset;

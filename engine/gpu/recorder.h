@@ -57,7 +57,7 @@ void renewStages(const StageTimes& stages, StageTimes& latest);
 /// Whether a submission's stages are timed.
 enum class Timing {
   kStages,
-  /// Timestamps are dear on lavapipe: once anything was drawn, each is an empty scene of the last picture's
+  /// Timestamps are dear on lavapipe: once anything was drawn, each is an empty scene of the last image's
   /// size, 0.06 to 0.1 ms (0.18 of an empty submission's 0.21 ms on two cores).
   kNone,
 };

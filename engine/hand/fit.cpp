@@ -11,7 +11,7 @@ FitModel fitModel(const HandModel& hand) {
   const TriangleMesh closed = withCaps(hand.skin);
   const MassProperties solid = massProperties(hand.skin);
   FitModel model;
-  model.gravity_center = solid.centroid;
+  model.center_of_mass = solid.centroid;
   model.inertia_m2 = solid.inertia_m5 / solid.volume_m3;
   for (std::size_t i = 0; i < closed.triangles.size(); ++i) {
     const auto& [a, b, c] = closed.triangles[i];
@@ -54,7 +54,7 @@ Pose worldFromHand(const GpuFit& fit, const FitModel& model, const Workspace& wo
           .normalized()
           .toRotationMatrix();
   world_from_hand.translation() =
-      workspace.center + position - world_from_hand.linear() * model.gravity_center;
+      workspace.center + position - world_from_hand.linear() * model.center_of_mass;
   return world_from_hand;
 }
 
@@ -62,7 +62,7 @@ GpuFit fitFromPose(const Pose& world_from_hand, const FitModel& model, const Wor
   GpuFit fit{};
   const Eigen::Quaterniond q(world_from_hand.linear());
   fit.rotation = q.coeffs().cast<float>();
-  fit.position = (world_from_hand * model.gravity_center - workspace.center).cast<float>();
+  fit.position = (world_from_hand * model.center_of_mass - workspace.center).cast<float>();
   return fit;
 }
 

@@ -32,7 +32,7 @@ struct HandFit {
 /// What the fit needs of a hand model: patches about the centre of gravity of the solid hand.
 struct FitModel {
   std::vector<GpuPatch> patches;
-  Vec3 gravity_center = Vec3::Zero();  ///< in the hand's frame, metres: the volume's centroid
+  Vec3 center_of_mass = Vec3::Zero();  ///< in the hand's frame, metres: the volume's centroid
   Mat3 inertia_m2 = Mat3::Zero();      ///< about it, over the mass
   double patch_area_m2 = 0;            ///< of all patches
   double radius_m = 0;                 ///< of the ball about the centre of gravity that holds the skin

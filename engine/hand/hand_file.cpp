@@ -20,7 +20,7 @@ namespace airclay {
 namespace {
 
 constexpr std::uintmax_t kMaxFileBytes =
-    64u << 20;  // a rigged hand of 100,000 triangles has 5 MB without its pictures
+    64u << 20;  // a rigged hand of 100,000 triangles has 5 MB without its images
 constexpr size_t kMaxTriangles = 1'000'000;
 constexpr double kMaxCoordinate = 1e6;  // beyond this a file is damaged; it also keeps products finite
 constexpr double kMinVolume = 1e-18;    // m³: a cube of a micrometre; less is flat

@@ -155,7 +155,7 @@ double HandTracker::uncovered(const GpuFit& fit, const std::vector<Vec3>& cells,
   const Vec3 position = fit.position.cast<double>();
   int near = 0, bare = 0;
   for (const Vec3& cell : cells) {
-    const Vec3 in_hand = hand_from_workspace * (cell - position) + model().gravity_center;
+    const Vec3 in_hand = hand_from_workspace * (cell - position) + model().center_of_mass;
     if ((in_hand.array() < hand_low_.array() - cell_m).any() ||
         (in_hand.array() > hand_high_.array() + cell_m).any())
       continue;

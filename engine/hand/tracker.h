@@ -4,7 +4,7 @@
 //
 // On the first frame the paper starts with the model's centre of gravity on the voxel model's. The
 // orientation is unknown then, and the published iteration alone gets stuck from 15° off; so it is started
-// from orientations all around, coarse to fine. A forearm in the picture draws the voxel model's centre of
+// from orientations all around, coarse to fine. A forearm in the image draws the voxel model's centre of
 // gravity along the arm; so it is started along the voxel model's long axis, too.
 #pragma once
 

@@ -100,7 +100,7 @@ void Carver::recordBlocks(Recorder& recorder, const Kernel<CarveBlockArgs>& kern
     recorder.dispatchIndirect(kernel, args, mixed_counts_.raw(), (at - 1) * sizeof(MixedCount));
 }
 
-void Carver::record(Recorder& recorder, const Buffer<std::uint32_t>& masks, std::uint32_t absent) {
+void Carver::record(Recorder& recorder, const Buffer<std::uint32_t>& masks, std::uint32_t missing_cameras) {
   CarveTileArgs tiles{};
   tiles.cameras = rig_.cameras();
   tiles.masks.address = masks.raw().address();  // read as pairs
@@ -110,7 +110,7 @@ void Carver::record(Recorder& recorder, const Buffer<std::uint32_t>& masks, std:
   recorder.dispatch(tile_kernel_, tiles, groupsFor(rig_.maxBands(), workgroup_), rig_.cameraCount());
 
   const std::uint32_t all = rig_.cameraCount() == 32 ? ~0u : (1u << rig_.cameraCount()) - 1;
-  recordBlocks(recorder, top_blocks_, 0, all & ~absent);
+  recordBlocks(recorder, top_blocks_, 0, all & ~missing_cameras);
   recordBlocks(recorder, brick_blocks_, 1, 0);  // the others ask whom their parents left undecided
   recordBlocks(recorder, small_blocks_, 2, 0);
 

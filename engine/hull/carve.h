@@ -43,7 +43,7 @@ class Carver {
 
   /// Records the carving of `masks` (GpuRig's layout). Work is proportional to the hull's surface. Cameras
   /// whose bits are in `absent` have no say.
-  void record(Recorder& recorder, const Buffer<std::uint32_t>& masks, std::uint32_t absent = 0);
+  void record(Recorder& recorder, const Buffer<std::uint32_t>& masks, std::uint32_t missing_cameras = 0);
 
   int voxels() const { return voxels_; }
   double voxelMetres() const { return rig_.rig().workspace.edge_m / voxels_; }
@@ -79,14 +79,14 @@ class Carver {
 VoxelGrid carveReference(const Rig& rig, const std::vector<Mask>& masks, int voxels);
 
 /// Whether a camera's projection of the point falls within `pixels` of a pixel of the other kind or of a
-/// picture's border: there float and double may round to different pixels.
+/// image's border: there float and double may round to different pixels.
 bool isEdgePoint(const Rig& rig, const std::vector<Mask>& masks, const Vec3& point_in_world, double pixels);
 
 /// The voxels whose centre isEdgePoint(). One byte a voxel.
 std::vector<std::uint8_t> edgeVoxels(const Rig& rig, const std::vector<Mask>& masks, int voxels,
                                      double pixels);
 
-/// Float and double put a voxel's centre at most this far apart in a picture of some hundred pixels.
+/// Float and double put a voxel's centre at most this far apart in a image of some hundred pixels.
 inline constexpr double kEdgePixels = 0.01;
 
 /// The figures of a grid: every voxel by itself, in double precision.

@@ -44,7 +44,7 @@ bool isEdgePoint(const Rig& rig, const std::vector<Mask>& masks, const Vec3& poi
     const std::optional<Vec2> pixel =
         projectThroughLens(camera.lens, camera.camera_from_world * point_in_world);
     if (!pixel) continue;
-    // the pixels that a shift of up to `pixels` reaches; outside the picture counts as a third kind
+    // the pixels that a shift of up to `pixels` reaches; outside the image counts as a third kind
     const auto kind = [&](double u, double v) {
       const double x = std::floor(u + 0.5), y = std::floor(v + 0.5);
       if (x < 0 || y < 0 || x >= camera.width || y >= camera.height) return 2;

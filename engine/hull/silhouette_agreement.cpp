@@ -107,13 +107,13 @@ double explainedShare(std::span<const SilhouetteAgreement> agreement) {
   return 2 * sum.in_cube < sum.pixels ? 0 : sum.explainedShare();
 }
 
-/// The rig seen in a mirror: the cube's world in its x, the cameras' pictures in `picture_axis` (0: left to
+/// The rig seen in a mirror: the cube's world in its x, the cameras' images in `image_axis` (0: left to
 /// right). That is a left-handed world whose poses were made rotations by turning an axis of the cameras as
 /// well.
-Rig mirrored(const Rig& rig, int picture_axis) {
+Rig mirrored(const Rig& rig, int image_axis) {
   Rig result = rig;
   Vec3 in_world(-1, 1, 1), in_camera = Vec3::Ones();
-  in_camera(picture_axis) = -1;
+  in_camera(image_axis) = -1;
   const Vec3& center = rig.workspace.center;
   for (Camera& camera : result.cameras) {
     const Mat3 turned = camera.camera_from_world.linear();
@@ -150,7 +150,7 @@ class Explanations {
   Explanation best() {
     for (const PoseReading poses : kPoseReadings)
       consider(reread(rig_, poses), {0, "", "poses that are " + wordsOf(poses)});
-    const std::string mirror = "a mirrored rig (a left-handed world, or pictures flipped ";
+    const std::string mirror = "a mirrored rig (a left-handed world, or images flipped ";
     consider(mirrored(rig_, 0), {0, "", mirror + "left to right)"});
     consider(mirrored(rig_, 1), {0, "", mirror + "top to bottom)"});
     for (const auto& [factor, words] : {std::pair{1e-3, "millimetres"}, std::pair{1e-2, "centimetres"},
@@ -168,7 +168,7 @@ class Explanations {
   void consider(const Rig& rig, const Explanation& explanation) { consider(rig, instants_, explanation); }
 
   void consider(const Rig& rig, std::span<const MaskSet> instants, Explanation explanation) {
-    workGoesOn(0.5);
+    reportProgress(0.5);
     if (explainedShare(agreementAt(kFewVoxels, rig, instants)) < kConvincingShare) return;
     explanation.share = explainedShare(agreementAt(kVoxels, rig, instants));
     if (explanation.share > best_.share) best_ = explanation;
@@ -211,9 +211,9 @@ std::vector<SilhouetteAgreement> silhouetteAgreement(const Rig& rig, std::span<c
   return agreementAt(kVoxels, rig, instants);
 }
 
-std::vector<RigFinding> silhouetteFindings(const Rig& rig, std::span<const MaskSet> instants,
+std::vector<RigDiagnostic> silhouetteDiagnostics(const Rig& rig, std::span<const MaskSet> instants,
                                            std::span<const SilhouetteAgreement> agreement,
-                                           SilhouetteTrust trust) {
+                                           SilhouetteSource trust) {
   double pixels = 0, in_cube = 0;
   for (std::size_t i = 0; i < agreement.size(); ++i) {
     pixels += double(agreement[i].pixels);
@@ -225,16 +225,16 @@ std::vector<RigFinding> silhouetteFindings(const Rig& rig, std::span<const MaskS
   const Explanation other = Explanations(rig, instants).best();
   const bool is_explained = other.share >= kConvincingShare && other.share > share + 0.1;
   const std::string said = "the hull explains " + percent(share) + " of the silhouettes";
-  RigFinding finding;
+  RigDiagnostic finding;
   if (is_explained && other.camera.empty()) {
     finding.what = said + ", and " + percent(other.share) + " with " + other.what + ": that would be right";
   } else if (is_explained) {
-    finding = {Severity::kSuspicion, other.camera,
+    finding = {Severity::kWarning, other.camera,
                said + ", and " + percent(other.share) +
                    " without it: was it moved after the calibration, or is its recording out of step?"};
   } else {
-    const bool may_be_meant = share >= kContradiction || trust == SilhouetteTrust::kGuessed;
-    finding.severity = may_be_meant ? Severity::kSuspicion : Severity::kFault;
+    const bool may_be_meant = share >= kContradiction || trust == SilhouetteSource::kAssumed;
+    finding.severity = may_be_meant ? Severity::kWarning : Severity::kFault;
     finding.what =
         in_cube < 0.5 * pixels
             ? "only " + percent(in_cube / pixels) +
@@ -243,7 +243,7 @@ std::vector<RigFinding> silhouetteFindings(const Rig& rig, std::span<const MaskS
             : said +
                   ": cameras and recordings contradict each other; the calibration of this recording, "
                   "cameras in step, and clean silhouettes would be right";
-    if (trust == SilhouetteTrust::kGuessed) finding.what += " (and first frames that show nobody)";
+    if (trust == SilhouetteSource::kAssumed) finding.what += " (and first frames that show nobody)";
   }
   return {finding};
 }

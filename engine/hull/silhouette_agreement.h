@@ -29,13 +29,13 @@ using MaskSet = std::vector<Mask>;
 std::vector<SilhouetteAgreement> silhouetteAgreement(const Rig& rig, std::span<const MaskSet> instants);
 
 /// Where silhouettes are from: masks or a known background; or the first frames were taken to be empty.
-enum class SilhouetteTrust { kKnown, kGuessed };
+enum class SilhouetteSource { kKnown, kAssumed };
 
 /// What the agreement says of the rig: silhouettes beside the cube; a rig that contradicts them, and if that
 /// is found, which camera, which two exchanged ones or which other reading of units, axes and poses it is due
 /// to. Fewer than 3 of 10 pixels explained are a fault, where the silhouettes are to be trusted.
-std::vector<RigFinding> silhouetteFindings(const Rig& rig, std::span<const MaskSet> instants,
+std::vector<RigDiagnostic> silhouetteDiagnostics(const Rig& rig, std::span<const MaskSet> instants,
                                            std::span<const SilhouetteAgreement> agreement,
-                                           SilhouetteTrust trust = SilhouetteTrust::kKnown);
+                                           SilhouetteSource trust = SilhouetteSource::kKnown);
 
 }  // namespace airclay

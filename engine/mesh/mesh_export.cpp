@@ -127,7 +127,7 @@ std::string plyOf(const PolygonMesh& mesh) {
                       (few_corners ? "uchar" : "uint") + " int vertex_indices\nend_header\n";
   const std::vector<Vec3> normals = smoothNormals(mesh);
   for (std::size_t i = 0; i < mesh.points.size(); ++i) {
-    workGoesOn(i, mesh.points.size());
+    reportProgress(i, mesh.points.size());
     put(bytes, mesh.points[i].cast<float>().eval());
     put(bytes, normals[i].cast<float>().eval());
   }
@@ -147,7 +147,7 @@ std::string stlOf(const Solid& solid) {
   bytes.reserve(84 + 50 * solid.triangles.size());
   put(bytes, std::uint32_t(solid.triangles.size()));
   for (std::size_t i = 0; i < solid.triangles.size(); ++i) {
-    workGoesOn(i, solid.triangles.size());
+    reportProgress(i, solid.triangles.size());
     const auto& [a, b, c] = solid.triangles[i];
     const std::array corners = {solid.points_mm[a], solid.points_mm[b], solid.points_mm[c]};
     put(bytes, areaVector(corners).normalized().cast<float>().eval());

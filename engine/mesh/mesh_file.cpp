@@ -87,7 +87,7 @@ class ObjReader {
     ObjLines lines(text);
     std::string_view line;
     for (std::size_t taken = 0; lines.next(line); ++taken) {
-      if (taken % 4096 == 0) workGoesOn(1 - double(lines.left()) / double(text.size()));
+      if (taken % 4096 == 0) reportProgress(1 - double(lines.left()) / double(text.size()));
       line_number_ = lines.number();
       Words words(line);
       const std::string_view keyword = words.next();
@@ -195,7 +195,7 @@ PolygonMesh readObj(const std::filesystem::path& file) {
 void writeObj(const std::filesystem::path& file, const PolygonMesh& mesh) {
   std::string text;
   for (std::size_t i = 0; i < mesh.points.size(); ++i) {
-    workGoesOn(i, mesh.points.size() + mesh.faces.size());
+    reportProgress(i, mesh.points.size() + mesh.faces.size());
     const Vec3& point = mesh.points[i];
     text += 'v';
     for (int axis = 0; axis < 3; ++axis) {
@@ -205,7 +205,7 @@ void writeObj(const std::filesystem::path& file, const PolygonMesh& mesh) {
     text += '\n';
   }
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
-    workGoesOn(mesh.points.size() + f, mesh.points.size() + mesh.faces.size());
+    reportProgress(mesh.points.size() + f, mesh.points.size() + mesh.faces.size());
     text += 'f';
     for (const int corner : mesh.faces[f]) text.append(" ").append(std::to_string(corner + 1));
     text += '\n';

@@ -120,7 +120,7 @@ std::vector<std::array<int, 3>> triangulated(const PolygonMesh& mesh) {
   Triangles triangles;
   triangles.reserve(2 * mesh.faces.size());
   for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
-    workGoesOn(i, mesh.faces.size());
+    reportProgress(i, mesh.faces.size());
     const std::vector<int>& face = mesh.faces[i];
     if (face.size() < 3 || face.size() > kMaxCorners)
       throw Error("face " + std::to_string(i + 1) + " has " + std::to_string(face.size()) +

@@ -55,16 +55,16 @@ Vec3 keyDirection(const View& view) {
 
 Renderer::Renderer(Gpu& gpu, const RendererOptions& options) : gpu_(gpu), options_(options) {
   if (options.width < 1 || options.height < 1 ||
-      std::max(options.width, options.height) > RendererOptions::kMaxPicture)
-    throw Error("a picture of " + std::to_string(options.width) + " x " + std::to_string(options.height) +
-                " pixels cannot be drawn; 1 to " + std::to_string(RendererOptions::kMaxPicture) +
+      std::max(options.width, options.height) > RendererOptions::kMaxImage)
+    throw Error("a image of " + std::to_string(options.width) + " x " + std::to_string(options.height) +
+                " pixels cannot be drawn; 1 to " + std::to_string(RendererOptions::kMaxImage) +
                 " along each side would be right");
   const auto width = static_cast<std::uint32_t>(options.width),
              height = static_cast<std::uint32_t>(options.height);
   const auto shadow = static_cast<std::uint32_t>(options.shadow_map);
   const std::uint32_t samples = options.multisample ? kSamples : 1;
   const ImageKind kind = options.readback ? ImageKind::kColor : ImageKind::kScreen;
-  pipelines_ = std::make_unique<Pipelines>(gpu, PictureKind{kind, samples});
+  pipelines_ = std::make_unique<Pipelines>(gpu, ImageContent{kind, samples});
   color_ = Image(gpu, kind, width, height, samples);
   depth_ = Image(gpu, ImageKind::kDepth, width, height, samples);
   (options.multisample ? resolved_ : backdrop_) = Image(gpu, kind, width, height);
@@ -104,15 +104,15 @@ void Renderer::record(Recorder& recorder, const Scene& scene, const View& view) 
   writeFrame(scene);
   writeStrokes(scene);
 
-  recorder.stage("picture: shadow");
+  recorder.stage("image: shadow");
   if (scene.voxels) recordVoxelList(recorder, scene);
   recordDensities(recorder, scene);
   recordShadowMap(recorder, scene);
-  recorder.stage("picture: light");
+  recorder.stage("image: light");
   recordLights(recorder, scene);
   endPart(recorder);
-  recorder.stage("picture: draw");
-  recordPicture(recorder, scene);
+  recorder.stage("image: draw");
+  recordFrame(recorder, scene);
   if (!options_.readback) endPart(recorder);  // a window goes on
 }
 
@@ -426,7 +426,7 @@ void Renderer::recordBackdrop(Recorder& recorder, const Scene& scene) {
   copyImage(recorder, backdrop_, color_);
 }
 
-void Renderer::recordPicture(Recorder& recorder, const Scene& scene) {
+void Renderer::recordFrame(Recorder& recorder, const Scene& scene) {
   std::vector<Draw> draws;
   // what faces the eye first: it hides most of an open sheet's other side, which then costs nothing
   for (const auto* side : {&pipelines_->clay, &pipelines_->clay_inside})
@@ -459,7 +459,7 @@ void Renderer::recordPicture(Recorder& recorder, const Scene& scene) {
     recordBackdrop(recorder, scene);
   }
   drawInPieces(recorder, pass, draws);
-  if (options_.readback) copyToBuffer(recorder, picture(), pixels_.raw());
+  if (options_.readback) copyToBuffer(recorder, image(), pixels_.raw());
 }
 
 }  // namespace airclay

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Pictures of the clay and what surrounds it, offscreen: a studio with a soft key light, a seamless backdrop,
+// Images of the clay and what surrounds it, offscreen: a studio with a soft key light, a seamless backdrop,
 // a ground that catches shadows.
 //
 //     Renderer renderer(gpu, {.width = 1280, .height = 720});
@@ -31,11 +31,11 @@ struct RenderVoxelArgs;
 // ----------------------------------------------------------------------------------------------------------
 // views
 
-/// Where a picture is taken from: a pinhole camera.
+/// Where a image is taken from: a pinhole camera.
 struct View {
   Pose camera_from_workspace = Pose::Identity();  ///< OpenCV's axes: x right, y down, z forward
   double vertical_fov_rad = 0.5;
-  /// Where the optical axis meets the picture: from its middle to the right and down, in picture heights.
+  /// Where the optical axis meets the image: from its middle to the right and down, in image heights.
   Vec2 axis_shift = Vec2::Zero();
 };
 
@@ -50,7 +50,7 @@ struct Orbit {
 };
 View orbitView(const Orbit& orbit);
 
-/// Along -y, -x and -z, so that the workspace's cube fills the picture's height.
+/// Along -y, -x and -z, so that the workspace's cube fills the image's height.
 View frontView(const Workspace& workspace);
 View sideView(const Workspace& workspace);
 View topView(const Workspace& workspace);
@@ -153,7 +153,7 @@ struct SceneStrokes {
   std::vector<Vec3> own_points;                    ///< when `points` is not given
   Pose workspace_from_strokes = Pose::Identity();
   vec3 color = vec3(0.02f, 0.02f, 0.025f);
-  double width_px = 2;  ///< at a picture 720 pixels high; the dots' diameter
+  double width_px = 2;  ///< at a image 720 pixels high; the dots' diameter
   double hidden = 0;    ///< how much of it shows through what is before it
   bool dots = false;
 };
@@ -179,7 +179,7 @@ struct SceneCapsule {
 /// The skeleton in its rest pose: links and joint balls.
 std::vector<SceneCapsule> skeletonCapsules(const HandModel& hand, const Pose& workspace_from_hand);
 
-/// What is in a picture. What is pointed to must live until the recorded work is done.
+/// What is in a image. What is pointed to must live until the recorded work is done.
 struct Scene {
   Workspace workspace;
   std::vector<SceneMesh> meshes;
@@ -196,17 +196,17 @@ struct Scene {
 // renderer
 
 struct RendererOptions {
-  int width = 1280, height = 720;  ///< pixels, at most kMaxPicture
+  int width = 1280, height = 720;  ///< pixels, at most kMaxImage
   bool multisample = true;         ///< 4 samples a pixel: smooth edges
   int shadow_map = 1024;           ///< texels along an edge
   int shadow_taps = 64;            ///< of the soft shadow's kernel
   int ground_vertices = 64;        ///< along an edge: the ground's light is found at these
-  bool readback = true;            ///< pixels() is wanted; else a window copies picture()
-  /// A picture is divided where about so many triangles have been drawn, so that none of its submissions is
+  bool readback = true;            ///< pixels() is wanted; else a window copies image()
+  /// A image is divided where about so many triangles have been drawn, so that none of its submissions is
   /// long; 0: it is one submission.
   std::uint32_t triangles_a_piece = 0;
 
-  static constexpr int kMaxPicture = 4096;
+  static constexpr int kMaxImage = 4096;
 
   /// What a software device can keep up with.
   static RendererOptions live(int width, int height) {
@@ -225,19 +225,19 @@ class Renderer {
   Renderer(Gpu& gpu, const RendererOptions& options);
   ~Renderer();
 
-  /// Records the picture of a scene; pixels() shows it when the recorded work is done. One picture a
+  /// Records the image of a scene; pixels() shows it when the recorded work is done. One image a
   /// submission; a large one may divide it. \pre what was recorded before is done
   void record(Recorder& recorder, const Scene& scene, const View& view);
 
   int width() const { return options_.width; }
   int height() const { return options_.height; }
-  /// The picture itself, as large as the options say; ImageKind::kScreen when it is not to be read back.
-  Image& picture() { return options_.multisample ? resolved_ : color_; }
+  /// The image itself, as large as the options say; ImageKind::kScreen when it is not to be read back.
+  Image& image() { return options_.multisample ? resolved_ : color_; }
   /// RGBA, a word a pixel, red in the lowest byte, sRGB, rows from the top. \pre the recorded work is done
   std::span<const std::uint32_t> pixels() const { return pixels_.host(); }
   /// The same as bytes.
   std::span<const std::uint8_t> bytes() const;
-  /// How many voxels the last picture drew. \pre the recorded work is done
+  /// How many voxels the last image drew. \pre the recorded work is done
   std::uint32_t drawnVoxels() const;
 
  private:
@@ -261,7 +261,7 @@ class Renderer {
   void recordShadowMap(Recorder& recorder, const Scene& scene);
   void recordLights(Recorder& recorder, const Scene& scene);
   void recordBackdrop(Recorder& recorder, const Scene& scene);
-  void recordPicture(Recorder& recorder, const Scene& scene);
+  void recordFrame(Recorder& recorder, const Scene& scene);
   std::uint32_t room() const;
   void spend(Recorder& recorder, std::uint32_t count);
   void endPart(Recorder& recorder);
@@ -288,8 +288,8 @@ class Renderer {
   Buffer<vec3> stroke_points_;
   Buffer<RenderCapsule> capsules_;
   std::unique_ptr<Voxels> voxels_;
-  std::uint32_t spent_triangles_ = 0;  ///< since the picture was begun or divided
-  std::vector<LitMesh> lit_meshes_;    ///< of the picture being recorded: the hand's parts last
+  std::uint32_t spent_triangles_ = 0;  ///< since the image was begun or divided
+  std::vector<LitMesh> lit_meshes_;    ///< of the image being recorded: the hand's parts last
   Buffer<std::uint32_t> pixels_;
 };
 

@@ -26,7 +26,7 @@
 namespace airclay {
 namespace {
 
-GraphicsOptions solid(const PictureKind& target) {
+GraphicsOptions solid(const ImageContent& target) {
   GraphicsOptions options;
   options.color_kind = target.image;
   options.samples = target.samples;
@@ -34,7 +34,7 @@ GraphicsOptions solid(const PictureKind& target) {
 }
 
 /// Only what faces the eye, or only what looks away.
-GraphicsOptions oneSide(const PictureKind& target, VkCullModeFlags culled) {
+GraphicsOptions oneSide(const ImageContent& target, VkCullModeFlags culled) {
   GraphicsOptions options = solid(target);
   options.cull = culled;
   return options;
@@ -48,7 +48,7 @@ GraphicsOptions shadow() {
   return options;
 }
 
-GraphicsOptions blended(const PictureKind& target, std::uint32_t constant) {
+GraphicsOptions blended(const ImageContent& target, std::uint32_t constant) {
   GraphicsOptions options = solid(target);
   options.blend = Blend::kAlpha;
   options.constants = {constant};
@@ -56,7 +56,7 @@ GraphicsOptions blended(const PictureKind& target, std::uint32_t constant) {
 }
 
 /// Depth alone. Of a closed body: what looks away from the eye is never the nearest.
-GraphicsOptions depthOnly(const PictureKind& target) {
+GraphicsOptions depthOnly(const ImageContent& target) {
   GraphicsOptions options = solid(target);
   options.blend = Blend::kDepthOnly;
   options.cull = VK_CULL_MODE_BACK_BIT;
@@ -64,14 +64,14 @@ GraphicsOptions depthOnly(const PictureKind& target) {
 }
 
 /// Over depthOnly()'s depth: what looks away from the eye is hidden by it anyway.
-GraphicsOptions skinOptions(const PictureKind& target, bool fades) {
+GraphicsOptions skinOptions(const ImageContent& target, bool fades) {
   GraphicsOptions options = blended(target, fades ? 1 : 0);
   options.cull = VK_CULL_MODE_BACK_BIT;
   options.depth_write = false;
   return options;
 }
 
-GraphicsOptions strokes(const PictureKind& target, bool dots, bool hidden) {
+GraphicsOptions strokes(const ImageContent& target, bool dots, bool hidden) {
   GraphicsOptions options = blended(target, dots ? 1 : 0);
   options.depth_test = !hidden;
   options.depth_write = false;  // their soft edges must not hide what is behind
@@ -86,7 +86,7 @@ std::uint32_t voxelCapacity(int voxels) {
 
 }  // namespace
 
-Renderer::Pipelines::Pipelines(Gpu& gpu, const PictureKind& target)
+Renderer::Pipelines::Pipelines(Gpu& gpu, const ImageContent& target)
     : density(gpu, "render_density", render_density_comp, {kRenderWorkgroup}),
       density_levels(gpu, "render_density_levels", render_density_levels_comp, {kRenderWorkgroup}),
       light(gpu, "render_light", render_light_comp, {kRenderWorkgroup}),

@@ -9,7 +9,7 @@
 namespace airclay {
 
 /// What is drawn into.
-struct PictureKind {
+struct ImageContent {
   ImageKind image = ImageKind::kColor;
   std::uint32_t samples = 1;
 };
@@ -28,7 +28,7 @@ struct Renderer::Pipelines {
   GraphicsPipeline<RenderBackdropArgs> ground, backdrop;
   GraphicsPipeline<RenderStrokeArgs> lines, dots, hidden_lines, hidden_dots;
 
-  Pipelines(Gpu& gpu, const PictureKind& target);
+  Pipelines(Gpu& gpu, const ImageContent& target);
 };
 
 /// A mesh and its place in the buffer of lights.

@@ -14,7 +14,7 @@ namespace {
 /// The pose of a camera at `eye` that looks along `forward`.
 Pose cameraPose(const Vec3& eye, const Vec3& forward) {
   const Vec3 ahead = forward.normalized();
-  // looking straight down, the picture's upper edge is where y is large
+  // looking straight down, the image's upper edge is where y is large
   const Vec3 up = std::abs(ahead.z()) > 1 - 1e-9 ? Vec3::UnitY() : Vec3::UnitZ();
   const Vec3 right = ahead.cross(up).normalized();
   Pose workspace_from_camera = Pose::Identity();
@@ -23,7 +23,7 @@ Pose cameraPose(const Vec3& eye, const Vec3& forward) {
   return workspace_from_camera.inverse();
 }
 
-/// From far enough that the cube's front face fills nine tenths of the picture's height.
+/// From far enough that the cube's front face fills nine tenths of the image's height.
 View alongAxis(const Workspace& workspace, const Vec3& from) {
   View view;
   view.vertical_fov_rad = 0.4;

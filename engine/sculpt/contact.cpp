@@ -59,13 +59,13 @@ HandDistances ContactFrame::hand() const {
   return hand;
 }
 
-ContactDecision ContactFrame::decision(float wanted_m, std::uint32_t max_repeats,
+ContactDecision ContactFrame::decision(float target_m, std::uint32_t max_repeats,
                                        std::uint32_t max_stalls) const {
   ContactDecision decision{};
   decision.frame = state_;
   decision.summary = summary_;
   decision.groups = groups_;
-  decision.wanted_m = wanted_m;
+  decision.target_m = target_m;
   decision.max_repeats = max_repeats;
   decision.max_stalls = max_stalls;
   return decision;

@@ -64,8 +64,8 @@ class ContactFrame {
   const Buffer<vec3>& displacements() const { return displacements_; }
   std::uint32_t dataPointCount() const { return static_cast<std::uint32_t>(displacements_.count()); }
   HandDistances hand() const;
-  /// For a check that ends the repeats at `wanted_m`, or after so many.
-  ContactDecision decision(float wanted_m, std::uint32_t max_repeats,
+  /// For a check that ends the repeats at `target_m`, or after so many.
+  ContactDecision decision(float target_m, std::uint32_t max_repeats,
                            std::uint32_t max_stalls = kContactMaxStalls) const;
 
   /// The groups of what a repeat dispatches: 0 when the frame is done.

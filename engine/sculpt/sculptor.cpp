@@ -5,7 +5,7 @@ namespace airclay {
 namespace {
 
 std::optional<ControlPointSolver> solverOf(Gpu& gpu, const Clay& clay) {
-  if (clay.solveRows() == SolveRows::kTouched) return std::nullopt;
+  if (clay.solveMethod() == SolveMethod::kTouched) return std::nullopt;
   return ControlPointSolver(gpu, clay.subdivision().matrix);
 }
 
@@ -46,7 +46,7 @@ void Sculptor::recordFirstCheck(Recorder& recorder, const Buffer<GpuFit>& fit) {
   recordCheck(recorder, true);
 }
 
-void Sculptor::recordWanted(Recorder& recorder) {
+void Sculptor::recordTargets(Recorder& recorder) {
   if (controls_.tool == Tool::kPush) contact_.recordPush(recorder);
   if (controls_.tool == Tool::kPull) grip_.recordPull(recorder);
 }
@@ -68,7 +68,7 @@ void Sculptor::record(Recorder& recorder, const Buffer<GpuFit>& fit, const Sculp
   const RawBuffer& groups = contact_.shared().groups();
   const std::uint32_t repeats = controls.tool == Tool::kSmooth ? kRelaxRepeats : kContactMaxRepeats;
   for (std::uint32_t repeat = 0; repeat < repeats; ++repeat) {
-    recordWanted(recorder);
+    recordTargets(recorder);
     solver_->recordIndirect(recorder, contact_.displacements(), clay_.exactPoints(), clay_.controlPoints(),
                             groups, ContactFrame::kProjectGroups, ContactFrame::kApplyGroups);
     keeper_.recordIndirect(recorder, clay_.exactPoints(), clay_.controlPoints(), groups,
@@ -120,7 +120,7 @@ std::vector<Vec3> Sculptor::pushesOnHost(std::vector<int>& rows) const {
 }
 
 /// The rows that the tool has to do with, and what they are to do.
-std::vector<Vec3> Sculptor::wantedOnHost(std::vector<int>& rows) const {
+std::vector<Vec3> Sculptor::targetsOnHost(std::vector<int>& rows) const {
   if (controls_.tool == Tool::kPush) return pushesOnHost(rows);
   std::vector<Vec3> displacements;
   const auto add = [&](std::size_t row, const vec3& displacement) {
@@ -142,7 +142,7 @@ std::vector<Vec3> Sculptor::wantedOnHost(std::vector<int>& rows) const {
 /// A damped solve over these rows.
 void Sculptor::moveControlPoints() {
   std::vector<int> rows;
-  const std::vector<Vec3> displacements = wantedOnHost(rows);
+  const std::vector<Vec3> displacements = targetsOnHost(rows);
   if (!touched_rows_ || touched_rows_->rows() != rows)
     touched_rows_.emplace(clay_.subdivision().matrix, rows, kTouchedDamping);
   const std::vector<Vec3> moved = touched_rows_->controlDisplacements(displacements);

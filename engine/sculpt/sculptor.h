@@ -22,7 +22,7 @@ struct ClayStep {
   double penetration_m = 0;  ///< what is left of it; with *pull* how far a held point lags behind
 };
 
-/// With SolveRows::kAll a frame is part of one submission: all repeats are recorded, and those that are not
+/// With SolveMethod::kAll a frame is part of one submission: all repeats are recorded, and those that are not
 /// needed dispatch nothing. With kTouched the rows change from repeat to repeat, so they are done on the
 /// host, each with a submission of its own.
 class Sculptor {
@@ -48,9 +48,9 @@ class Sculptor {
   bool onDevice() const { return solver_.has_value(); }
   void takeControls(const SculptControls& controls);
   void recordFirstCheck(Recorder& recorder, const Buffer<GpuFit>& fit);
-  void recordWanted(Recorder& recorder);
+  void recordTargets(Recorder& recorder);
   void recordCheck(Recorder& recorder, bool first);
-  std::vector<Vec3> wantedOnHost(std::vector<int>& rows) const;
+  std::vector<Vec3> targetsOnHost(std::vector<int>& rows) const;
   std::vector<Vec3> pushesOnHost(std::vector<int>& rows) const;
   void moveControlPoints();
 

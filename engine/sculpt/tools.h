@@ -21,7 +21,7 @@ struct SculptControls {
   Tool tool = Tool::kPush;
   Symmetry symmetry = {};
   bool held = true;             ///< the clutch: false leaves the clay alone
-  double frame_s = 1.0 / 30.0;  ///< since the last frame, by the pictures' own clock: how far smoothing goes
+  double frame_s = 1.0 / 30.0;  ///< since the last frame, by the images' own clock: how far smoothing goes
 };
 
 }  // namespace airclay

@@ -25,9 +25,9 @@ std::vector<std::uint32_t> constants(const GpuRig& rig) {
 
 }  // namespace
 
-std::uint32_t largestHole(int picture_width) {
+std::uint32_t largestHole(int image_width) {
   return std::max<std::uint32_t>(
-      4, static_cast<std::uint32_t>(100LL * picture_width * picture_width / (640 * 640)));
+      4, static_cast<std::uint32_t>(100LL * image_width * image_width / (640 * 640)));
 }
 
 Silhouettes::Silhouettes(Gpu& gpu, const GpuRig& rig)
@@ -56,7 +56,7 @@ Silhouettes::Silhouettes(Gpu& gpu, const GpuRig& rig)
   areas_ = Buffer<std::uint32_t>(gpu, rows * kMaxRuns);
 }
 
-void Silhouettes::recordLearning(Recorder& recorder, const Buffer<std::uint32_t>& pictures,
+void Silhouettes::recordLearning(Recorder& recorder, const Buffer<std::uint32_t>& images,
                                  const CameraRange& cameras) {
   if (cameras.first == 0) {
     if (learned_frames_ == kMaxLearnFrames)
@@ -69,7 +69,7 @@ void Silhouettes::recordLearning(Recorder& recorder, const Buffer<std::uint32_t>
     ++learned_frames_;
   }
   BackgroundArgs args = backgroundArgs(cameras);
-  args.pictures = pictures;
+  args.images = images;
   recorder.dispatch(add_, args, groupsFor(rig_.maxPixels(), kSilhouetteWorkgroup), countOf(cameras));
 }
 
@@ -112,14 +112,14 @@ RunArgs Silhouettes::runArgs(bool holes) const {
   return args;
 }
 
-void Silhouettes::record(Recorder& recorder, const Buffer<std::uint32_t>& pictures) {
+void Silhouettes::record(Recorder& recorder, const Buffer<std::uint32_t>& images) {
   const std::uint32_t cameras = rig_.cameraCount();
   const std::uint32_t pair_groups = groupsFor(rig_.maxRowWords() / 2 * rig_.maxRows(), kSilhouetteWorkgroup);
   const std::uint32_t row_groups = groupsFor(rig_.maxRows(), kSilhouetteWorkgroup);
 
   SegmentArgs segment{};
   segment.cameras = rig_.cameras();
-  segment.pictures = pictures;
+  segment.images = images;
   segment.model = model_;
   segment.levels.address = levels_.raw().address();
   recorder.dispatch(segment_, segment, pair_groups, cameras);

@@ -3,7 +3,7 @@
 //
 // A background model a pixel (mean and spread, learned from the empty workspace), compared tolerantly of
 // shadow and of small changes of brightness; the 3 x 3 majority against speckle; the largest connected part;
-// small holes closed. Masks stay in the raw, distorted picture: carving projects through the lens model, so
+// small holes closed. Masks stay in the raw, distorted image: carving projects through the lens model, so
 // nothing is resampled and no part of the field is lost.
 #pragma once
 
@@ -24,9 +24,9 @@ class Silhouettes {
   Silhouettes(Gpu& gpu, const GpuRig& rig);
 
   /// Records the learning of one frame of the empty workspace, at most kMaxLearnFrames; then finishLearning()
-  /// makes the model. `pictures`: GpuRig's layout. Some cameras at a time, the first of them first: so that
+  /// makes the model. `images`: GpuRig's layout. Some cameras at a time, the first of them first: so that
   /// no submission takes long.
-  void recordLearning(Recorder& recorder, const Buffer<std::uint32_t>& pictures,
+  void recordLearning(Recorder& recorder, const Buffer<std::uint32_t>& images,
                       const CameraRange& cameras = {});
   void finishLearning(Recorder& recorder, const CameraRange& cameras = {});
   bool learned() const { return learned_; }
@@ -34,7 +34,7 @@ class Silhouettes {
   void forget() { learned_frames_ = 0, learned_ = false; }
 
   /// Records segmentation and cleaning of a frame. \pre learned()
-  void record(Recorder& recorder, const Buffer<std::uint32_t>& pictures);
+  void record(Recorder& recorder, const Buffer<std::uint32_t>& images);
 
   /// One bit a pixel, GpuRig's layout. Also written by the host for masks that a take brings along.
   Buffer<std::uint32_t>& masks() { return masks_; }
@@ -67,9 +67,9 @@ class Silhouettes {
   bool learned_ = false;
 };
 
-/// Holes of up to this many pixels are closed: 100 in a picture 640 wide, about 15 x 15 mm at a metre; the
+/// Holes of up to this many pixels are closed: 100 in a image 640 wide, about 15 x 15 mm at a metre; the
 /// ring of thumb and forefinger is larger.
-std::uint32_t largestHole(int picture_width);
+std::uint32_t largestHole(int image_width);
 
 // --- the reference, in double precision, step by step ---
 
@@ -85,7 +85,7 @@ std::vector<BackgroundPixel> learnBackgroundReference(const std::vector<std::vec
 /// How far a pixel differs from the background, in units of what may differ by chance (silhouette_io.h).
 double scoreReference(const Vec3& seen, const BackgroundPixel& background);
 
-/// The mask from a picture's scores: at least 1, and not the smear of an edge (EdgeArgs in silhouette_io.h).
+/// The mask from a image's scores: at least 1, and not the smear of an edge (EdgeArgs in silhouette_io.h).
 Mask edgesReference(int width, int height, const std::vector<double>& scores);
 
 Mask majorityReference(const Mask& mask);

@@ -64,7 +64,7 @@ const Buffer<std::uint32_t>& DemoCameras::draw(int frame) {
   SensorFrame sensor_frame;
   sensor_frame.frame = static_cast<std::uint32_t>(frame);
   sensor_.draw(recorder_, pose(frame), sensor_frame);
-  return sensor_.pictures();
+  return sensor_.images();
 }
 
 }  // namespace airclay

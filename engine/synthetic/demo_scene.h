@@ -28,10 +28,10 @@ class DemoCameras {
   int backgroundFrames() const { return background_frames_; }  ///< those before the hand appears
   int frameCount() const { return frame_count_; }
 
-  /// One frame's pictures in GpuRig's layout, valid until the next call. The same frame has the same bytes.
+  /// One frame's images in GpuRig's layout, valid until the next call. The same frame has the same bytes.
   const Buffer<std::uint32_t>& draw(int frame);
   /// What draw() drew last.
-  const Buffer<std::uint32_t>& pictures() const { return sensor_.pictures(); }
+  const Buffer<std::uint32_t>& images() const { return sensor_.images(); }
 
  private:
   HandScript script_ = demoScript();

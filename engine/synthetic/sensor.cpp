@@ -104,7 +104,7 @@ Sensor::Sensor(Gpu& gpu, const GpuRig& rig, const std::vector<TriangleMesh>& mes
       shadow_(gpu, kShadowCells * kShadowCells),
       noise_(gpu, noiseTable()),
       hand_(gpu, rig.pixels() + 3),  // read four at a time
-      pictures_(gpu, rig.pictureWords(), Memory::kHost) {
+      images_(gpu, rig.imageWords(), Memory::kHost) {
   uploadMeshes(meshes);
   for (const Camera& camera : rig.rig().cameras) {
     const auto width = static_cast<std::uint32_t>(camera.width),
@@ -236,7 +236,7 @@ void Sensor::record(Recorder& recorder, std::size_t camera, const std::optional<
   args.backdrop = backdrop_;
   args.shadow = shadow_;
   args.noise = noise_;
-  args.pictures = pictures_;
+  args.images = images_;
   args.camera = static_cast<std::uint32_t>(camera);
   args.all_pixels = rig_.pixels();
   args.seed = frame.seed;
@@ -257,9 +257,9 @@ void Sensor::draw(Recorder& recorder, const std::optional<Pose>& world_from_hand
   }
 }
 
-std::span<const std::uint8_t> Sensor::picture(std::size_t camera) const {
+std::span<const std::uint8_t> Sensor::image(std::size_t camera) const {
   const GpuCamera& gpu_camera = rig_.camera(camera);
-  const auto* words = pictures_.host().data() + gpu_camera.picture_words;
+  const auto* words = images_.host().data() + gpu_camera.image_words;
   return {reinterpret_cast<const std::uint8_t*>(words),
           std::size_t(3) * gpu_camera.width * gpu_camera.height};
 }

@@ -16,7 +16,7 @@ namespace airclay {
 struct SensorFrame {
   std::uint32_t seed = 1, frame = 0;  ///< of the noise
   double noise_sigma = 2.5;           ///< of 255: an ordinary camera indoors
-  double brightness = 1;              ///< of the whole picture: 1.02 is 2 % brighter
+  double brightness = 1;              ///< of the whole image: 1.02 is 2 % brighter
 };
 
 /// Draws rigid meshes (a hand's skin, its forearm) before a cloth backdrop, in every camera of a rig.
@@ -26,17 +26,17 @@ class Sensor {
   /// curvature (a centimetre is). `rig` must outlive this. \throw Error when there is no triangle.
   Sensor(Gpu& gpu, const GpuRig& rig, const std::vector<TriangleMesh>& meshes);
 
-  /// Records a camera's picture; without a pose the workspace is empty. Camera 0 comes first: its part makes
+  /// Records a camera's image; without a pose the workspace is empty. Camera 0 comes first: its part makes
   /// the shadow for all.
   void record(Recorder& recorder, std::size_t camera, const std::optional<Pose>& world_from_hand,
               const SensorFrame& frame);
-  /// Draws all cameras' pictures, a submission each, so that a software device finds time for others'.
+  /// Draws all cameras' images, a submission each, so that a software device finds time for others'.
   void draw(Recorder& recorder, const std::optional<Pose>& world_from_hand, const SensorFrame& frame);
 
-  /// The pictures, BGR, in GpuRig's layout, in memory that the host sees.
-  const Buffer<std::uint32_t>& pictures() const { return pictures_; }
+  /// The images, BGR, in GpuRig's layout, in memory that the host sees.
+  const Buffer<std::uint32_t>& images() const { return images_; }
   /// One camera's, BGR, 3 bytes a pixel, rows from the top. \pre the recorded work is done
-  std::span<const std::uint8_t> picture(std::size_t camera) const;
+  std::span<const std::uint8_t> image(std::size_t camera) const;
   /// How much of each pixel the hand covers, 0 to 1, row by row. \pre the recorded work is done, with a pose
   std::vector<double> coverage(std::size_t camera) const;
 
@@ -52,7 +52,7 @@ class Sensor {
   GraphicsPipeline<SensorMeshArgs> mesh_pipeline_;
   Kernel<ShadowArgs> shadow_kernel_;
   Kernel<ComposeArgs> compose_hand_, compose_empty_;
-  std::map<std::pair<std::uint32_t, std::uint32_t>, Canvas> canvases_;  ///< by the picture's size
+  std::map<std::pair<std::uint32_t, std::uint32_t>, Canvas> canvases_;  ///< by the image's size
   Buffer<vec3> positions_, spots_;
   Buffer<vec4> normals_;
   Buffer<std::uint32_t> indices_;
@@ -60,7 +60,7 @@ class Sensor {
   Buffer<float> shadow_;
   Buffer<std::uint64_t> noise_;
   Buffer<std::uint32_t> hand_;  ///< RGBA of all cameras, one pixel a word
-  Buffer<std::uint32_t> pictures_;
+  Buffer<std::uint32_t> images_;
   double floor_z_ = 0, wall_radius_ = 0;  ///< metres, workspace frame
 };
 

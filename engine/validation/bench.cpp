@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Every stage by itself on the demo's own pictures, then the whole frame. Ours, and the peer where there is
+// Every stage by itself on the demo's own images, then the whole frame. Ours, and the peer where there is
 // one, run in turn, so that whatever else the machine does weighs on both.
 #include "engine/validation/bench.h"
 
@@ -94,7 +94,7 @@ StageTiming timeStage(Gpu& gpu, const Stage& stage) {
   return timing;
 }
 
-/// The demo's scene up to one frame's pictures and the learned background.
+/// The demo's scene up to one frame's images and the learned background.
 struct Scene {
   explicit Scene(Gpu& device)
       : gpu(device), gpu_rig(gpu, rig), cameras(gpu, gpu_rig), silhouettes(gpu, gpu_rig) {
@@ -108,11 +108,11 @@ struct Scene {
     }
     cameras.draw(kPressingFrame);
     recorder.begin();
-    silhouettes.record(recorder, pictures());
+    silhouettes.record(recorder, images());
     recorder.submitAndWait();
     masks = gpu_rig.unpack(silhouettes.masks().host());
   }
-  const Buffer<std::uint32_t>& pictures() const { return cameras.pictures(); }
+  const Buffer<std::uint32_t>& images() const { return cameras.images(); }
 
   Gpu& gpu;
   Rig rig = demoRig();
@@ -151,17 +151,17 @@ void segmentReference(const Mask& size, std::span<const std::uint8_t> bgr,
 
 StageTiming timeSilhouette(Scene& scene) {
   const std::vector<std::vector<BackgroundPixel>> backgrounds = backgroundsOf(scene);
-  std::vector<std::span<const std::uint8_t>> pictures;
+  std::vector<std::span<const std::uint8_t>> images;
   for (std::size_t c = 0; c < backgrounds.size(); ++c) {
     const GpuCamera& camera = scene.gpu_rig.camera(c);
     const auto* bytes =
-        reinterpret_cast<const std::uint8_t*>(scene.pictures().host().data() + camera.picture_words);
-    pictures.emplace_back(bytes, 3 * backgrounds[c].size());
+        reinterpret_cast<const std::uint8_t*>(scene.images().host().data() + camera.image_words);
+    images.emplace_back(bytes, 3 * backgrounds[c].size());
   }
   SilhouetteLoop loop(scene.rig, backgrounds);
-  loop.run(pictures);
+  loop.run(images);
   std::size_t different = 0;
-  for (std::size_t c = 0; c < pictures.size(); ++c)
+  for (std::size_t c = 0; c < images.size(); ++c)
     for (std::size_t i = 0; i < scene.masks[c].pixels.size(); ++i)
       different += loop.masks()[c].pixels[i] != scene.masks[c].pixels[i];
   // a score on a threshold may be rounded the other way, and shows up to two pixels away
@@ -173,13 +173,13 @@ StageTiming timeSilhouette(Scene& scene) {
   stage.name = "silhouette";
   stage.work = scene.gpu_rig.pixels();
   stage.work_unit = "pixels";
-  stage.record = [&](Recorder& recorder) { scene.silhouettes.record(recorder, scene.pictures()); };
+  stage.record = [&](Recorder& recorder) { scene.silhouettes.record(recorder, scene.images()); };
   stage.reference = [&] {
-    for (std::size_t c = 0; c < pictures.size(); ++c)
-      segmentReference(scene.masks[c], pictures[c], backgrounds[c]);
+    for (std::size_t c = 0; c < images.size(); ++c)
+      segmentReference(scene.masks[c], images[c], backgrounds[c]);
   };
   stage.peer_name = "plain loop, 2 threads";
-  stage.peer = [&] { loop.run(pictures); };
+  stage.peer = [&] { loop.run(images); };
   return timeStage(scene.gpu, stage);
 }
 
@@ -370,7 +370,7 @@ double deepest(const DistanceGrid& hand, const Pose& world_from_hand, const FitM
                const std::vector<Vec3>& points) {
   double depth = -1;
   for (const Vec3& point : points)
-    depth = std::max(depth, -sample(hand, world_from_hand.inverse() * point - model.gravity_center));
+    depth = std::max(depth, -sample(hand, world_from_hand.inverse() * point - model.center_of_mass));
   return depth;
 }
 
@@ -419,11 +419,11 @@ StageTiming timeClay(Scene& scene) {
 StageTiming timeFrame(Scene& scene, int voxels) {
   Pipeline pipeline(scene.gpu, scene.rig, scene.hand, {.voxels = voxels, .time_every = 3}, tubeClay());
   const auto show = [&](int frame) {
-    const Buffer<std::uint32_t>& pictures = scene.cameras.draw(frame);
+    const Buffer<std::uint32_t>& images = scene.cameras.draw(frame);
     for (std::size_t c = 0; c < scene.rig.cameras.size(); ++c) {
-      const std::span<std::uint8_t> picture = pipeline.picture(c);
-      std::memcpy(picture.data(), pictures.host().data() + scene.gpu_rig.camera(c).picture_words,
-                  picture.size());
+      const std::span<std::uint8_t> image = pipeline.image(c);
+      std::memcpy(image.data(), images.host().data() + scene.gpu_rig.camera(c).image_words,
+                  image.size());
     }
   };
   std::vector<double> gpu_ms, wall_ms;
@@ -433,7 +433,7 @@ StageTiming timeFrame(Scene& scene, int voxels) {
       pipeline.learnBackground();
       continue;
     }
-    const FrameResult result = pipeline.processPictures();
+    const FrameResult result = pipeline.processImages();
     if (result.searched || result.clay.touched == 0) continue;
     if (!result.stage_ms.empty()) gpu_ms.push_back(sumMs(result.stage_ms));
     wall_ms.push_back(result.frame_ms);

@@ -129,9 +129,9 @@ SilhouetteLoop::SilhouetteLoop(const Rig& rig, const std::vector<std::vector<Bac
   }
 }
 
-void SilhouetteLoop::run(const std::vector<std::span<const std::uint8_t>>& pictures) {
+void SilhouetteLoop::run(const std::vector<std::span<const std::uint8_t>>& images) {
   onAllThreads([&](int thread) {
-    for (std::size_t c = std::size_t(thread); c < pictures.size(); c += kThreads) segment(c, pictures[c]);
+    for (std::size_t c = std::size_t(thread); c < images.size(); c += kThreads) segment(c, images[c]);
   });
 }
 
@@ -172,7 +172,7 @@ bool floodFill(const std::vector<std::uint8_t>& pixels, int width, const Box& bo
   return border;
 }
 
-/// The box around the part and one pixel more, as far as the picture goes.
+/// The box around the part and one pixel more, as far as the image goes.
 Box boxAround(const std::vector<int>& part, int width, int height) {
   Box box{width - 1, height - 1, 0, 0};
   for (const int index : part) {

@@ -37,14 +37,14 @@ class CarveLoop {
   std::vector<std::uint32_t> occupied_;  ///< a bit a voxel, rows along x in whole words
 };
 
-/// The silhouette's steps, picture by picture: scores, edges, majority, the largest part and the holes by
+/// The silhouette's steps, image by image: scores, edges, majority, the largest part and the holes by
 /// flood fill.
 class SilhouetteLoop {
  public:
   /// `backgrounds`: one model a camera.
   SilhouetteLoop(const Rig& rig, const std::vector<std::vector<BackgroundPixel>>& backgrounds);
-  /// One tightly packed BGR picture a camera.
-  void run(const std::vector<std::span<const std::uint8_t>>& pictures);
+  /// One tightly packed BGR image a camera.
+  void run(const std::vector<std::span<const std::uint8_t>>& images);
   const std::vector<Mask>& masks() const { return masks_; }
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Every kernel on the demo's own pictures, each beside its reference, from equal inputs: what a kernel is
+// Every kernel on the demo's own images, each beside its reference, from equal inputs: what a kernel is
 // given is what the kernels before it made, so that one fault shows in one row.
 #include "engine/validation/compare.h"
 
@@ -59,9 +59,9 @@ struct Scene {
         carver(gpu, gpu_rig, kVoxels),
         recorder(gpu) {}
 
-  std::vector<std::uint8_t> picture(std::span<const std::uint32_t> pictures, std::size_t camera) const {
+  std::vector<std::uint8_t> image(std::span<const std::uint32_t> images, std::size_t camera) const {
     const GpuCamera& c = gpu_rig.camera(camera);
-    const auto* bytes = reinterpret_cast<const std::uint8_t*>(pictures.data() + c.picture_words);
+    const auto* bytes = reinterpret_cast<const std::uint8_t*>(images.data() + c.image_words);
     return {bytes, bytes + std::size_t(3) * c.width * c.height};
   }
 
@@ -89,12 +89,12 @@ double beyondRounding(double stored, double exact, double step) {
 void compareBackground(Scene& scene, Comparisons& comparisons) {
   std::vector<std::vector<std::vector<std::uint8_t>>> empty(scene.gpu_rig.cameraCount());
   for (int frame = 0; frame < kBackgroundFrames; ++frame) {
-    const Buffer<std::uint32_t>& pictures = scene.cameras.draw(frame);
+    const Buffer<std::uint32_t>& images = scene.cameras.draw(frame);
     scene.recorder.begin();
-    scene.silhouettes.recordLearning(scene.recorder, pictures);
+    scene.silhouettes.recordLearning(scene.recorder, images);
     if (frame + 1 == kBackgroundFrames) scene.silhouettes.finishLearning(scene.recorder);
     scene.recorder.submitAndWait();
-    for (std::size_t c = 0; c < empty.size(); ++c) empty[c].push_back(scene.picture(pictures.host(), c));
+    for (std::size_t c = 0; c < empty.size(); ++c) empty[c].push_back(scene.image(images.host(), c));
   }
   const std::vector<std::uint32_t> model = scene.silhouettes.model().download();
   double error = 0;
@@ -144,9 +144,9 @@ std::size_t differentPixels(const Mask& a, const Mask& b) {
 }
 
 void compareSilhouettes(Scene& scene, Comparisons& comparisons) {
-  const Buffer<std::uint32_t>& pictures = scene.cameras.draw(kPressingFrame);
+  const Buffer<std::uint32_t>& images = scene.cameras.draw(kPressingFrame);
   scene.recorder.begin();
-  scene.silhouettes.record(scene.recorder, pictures);
+  scene.silhouettes.record(scene.recorder, images);
   scene.recorder.submitAndWait();
   const std::vector<std::uint32_t> model = scene.silhouettes.model().download();
   const std::vector<Mask> segmented = scene.gpu_rig.unpack(scene.silhouettes.segmented().download());
@@ -156,7 +156,7 @@ void compareSilhouettes(Scene& scene, Comparisons& comparisons) {
   std::size_t segment = 0, speckle = 0, part = 0, holes = 0;
   for (std::size_t c = 0; c < segmented.size(); ++c) {
     const GpuCamera& camera = scene.gpu_rig.camera(c);
-    segment += differentlySegmented(scene.picture(pictures.host(), c),
+    segment += differentlySegmented(scene.image(images.host(), c),
                                     std::span(model).subspan(camera.pixels_before), segmented[c]);
     speckle += differentPixels(majority[c], majorityReference(segmented[c]));
     part += differentPixels(largest[c], largestPartReference(majority[c]));

@@ -41,7 +41,7 @@ Projection projectPerspective(GpuCamera camera, vec3 p) {
   return Projection(camera.focal * x + camera.center, valid);
 }
 
-// Where a point in camera coordinates falls, in pixels, inside the picture or not. The pixel is undefined unless valid.
+// Where a point in camera coordinates falls, in pixels, inside the image or not. The pixel is undefined unless valid.
 Projection projectThroughLens(GpuCamera camera, vec3 point_in_camera) {
   if (!rigHas(kLensFisheye)) return projectPerspective(camera, point_in_camera);
   if (kLenses == 1u << kLensFisheye || camera.lens == kLensFisheye) return projectFisheye(camera, point_in_camera);

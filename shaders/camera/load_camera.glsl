@@ -39,7 +39,7 @@ GpuCamera loadCamera(ReadCameras cameras, uint index) {
   camera.first_entry = rows.x;
   camera.row_words = rows.y;
   camera.mask_words = masks.x;
-  camera.picture_words = masks.y;
+  camera.image_words = masks.y;
   return camera;
 #undef REAL_PAIR
 #undef PAIR

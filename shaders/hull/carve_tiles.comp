@@ -23,7 +23,7 @@ void main() {
     args.sums.at[gl_GlobalInvocationID.x] = 0;
     if (gl_GlobalInvocationID.x < kMixedSizes) args.mixed_counts.at[gl_GlobalInvocationID.x] = MixedCount(0, 1, 1, 0);
   }
-  const Picture camera = pictureOf(args.cameras, gl_WorkGroupID.y);
+  const ImageLayout camera = imageLayoutOf(args.cameras, gl_WorkGroupID.y);
   const uint row_pairs = camera.row_words / 2, entries = (row_pairs + 1) / 2;
   const uint band = gl_GlobalInvocationID.x / entries, entry = gl_GlobalInvocationID.x % entries;
   if (band * kLargeTilePixels >= camera.height) return;

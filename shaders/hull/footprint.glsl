@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where a block of voxels falls in a camera's picture. The including shader includes lens.glsl.
+// Where a block of voxels falls in a camera's image. The including shader includes lens.glsl.
 
 const uint kUnseen = 0;      // the camera sees no voxel of it
 const uint kPartlySeen = 1;  // it may see some
@@ -47,5 +47,5 @@ Footprint footprintOf(GpuCamera camera, vec3 center, float half_size) {
   return footprint;
 }
 
-// The pixel whose field a position lies in, of positions in the picture.
+// The pixel whose field a position lies in, of positions in the image.
 uvec2 pixelAt(vec2 position) { return uvec2(position + 0.5); }

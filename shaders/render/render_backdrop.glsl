@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A seamless backdrop, darker towards the picture's corners.
+// A seamless backdrop, darker towards the image's corners.
 
 // Of one pixel, from 0 to 1: breaks up the steps of 8 bits.
 float grain(uvec2 pixel) {

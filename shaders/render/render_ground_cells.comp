@@ -1,7 +1,7 @@
 #version 460
 // SPDX-License-Identifier: MIT
 // The triangles of the ground's cells on which a shadow lies; of the others, none that can be seen: there the backdrop, which
-// the ground repeats, is the picture already.
+// the ground repeats, is the image already.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/render/renderer_io.h"
 

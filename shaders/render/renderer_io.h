@@ -22,7 +22,7 @@ const uint kDensityLevels = 3;
 const uint kDensityTotal = 32 * 32 * 32 + 16 * 16 * 16 + 8 * 8 * 8;
 const float kDensityUnit = 65536;  // areas are summed in whole numbers, so that their order is of no matter
 
-// What the light kernel knows of a picture.
+// What the light kernel knows of a image.
 struct RenderFrame {
   vec4 light_row[3];      // the shadow map's clip space from the workspace; parallel light
   vec3 key_direction;     // unit, towards the key light
@@ -111,12 +111,12 @@ struct RenderBackdropArgs {
   ReadVec3s positions;    // of the ground: -1 to 1; 0 for the backdrop
   ReadVertexLights lights;
   mat4 clip_from_ground;
-  vec3 top;               // colour of the picture's upper edge
+  vec3 top;               // colour of the image's upper edge
   vec3 bottom;
   vec2 viewport;          // pixels
 };
 
-// render_strokes.vert, .frag: a segment or a dot of constant width in the picture, with round ends.
+// render_strokes.vert, .frag: a segment or a dot of constant width in the image, with round ends.
 // Specialization constant 0: 1 for dots.
 struct RenderStrokeArgs {
   ReadVec3s points;

@@ -32,7 +32,7 @@ void decideAll(Findings found) {
   } else {
     ++frame.stalls;
   }
-  const bool done = frame.mode != kFrameSweep || found.left_m < args.decision.wanted_m || frame.stalls == args.decision.max_stalls ||
+  const bool done = frame.mode != kFrameSweep || found.left_m < args.decision.target_m || frame.stalls == args.decision.max_stalls ||
                     frame.repeats == args.decision.max_repeats;
   frame.done = done ? 1 : 0;
   frame.step = frame.quotient > 0 ? 1 / frame.quotient : 1;

@@ -134,7 +134,7 @@ struct ContactDecision {
   ReadWriteContactFrames frame;
   WriteContactSummaries summary;
   ContactGroups groups;
-  float wanted_m;  // what is left may be so much; the repeats end
+  float target_m;  // what is left may be so much; the repeats end
   uint max_repeats;
   uint max_stalls;  // repeats in a row that did not shrink it; the repeats end
 };

@@ -27,14 +27,14 @@ vec3 push(inout GpuContactPoint point) {
 void main() {
   const uint data_point = invocation();
   if (data_point >= args.data_point_count) return;
-  Wishes wishes = noWishes();
+  Wishes requests = noWishes();
   const uint images = imageCount(args.mirrors);
   for (uint image = 0; image < images; ++image) {
     const uint index = image * args.data_point_count + data_point;
     if (args.points.at[index].state != kPointReached) continue;
     GpuContactPoint point = args.points.at[index];
-    add(wishes, mirrorOf(args.mirrors, image) * push(point));
+    add(requests, mirrorOf(args.mirrors, image) * push(point));
     args.points.at[index] = point;
   }
-  args.displacements.at[data_point] = agreed(wishes);
+  args.displacements.at[data_point] = agreed(requests);
 }

@@ -34,12 +34,12 @@ void main() {
   }
   if (args.points.at[index].images == 0) return;
   GpuGripPoint point = args.points.at[index];
-  Wishes wishes = noWishes();
+  Wishes requests = noWishes();
   for (uint image = 0; image < images; ++image) {
     const vec3 mirror = mirrorOf(args.mirrors, image);
-    if ((point.images >> image & 1) != 0) add(wishes, mirror * carried(frame, mirror * point.start) - point.start);
+    if ((point.images >> image & 1) != 0) add(requests, mirror * carried(frame, mirror * point.start) - point.start);
   }
-  const vec3 lag = point.start + agreed(wishes) - position;
+  const vec3 lag = point.start + agreed(requests) - position;
   point.achieved = dot(point.last_pull, point.lag - lag);
   point.lag = lag;
   if (args.first != 0) {

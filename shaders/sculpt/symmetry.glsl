@@ -16,10 +16,10 @@ struct Wishes {
 
 Wishes noWishes() { return Wishes(vec3(0), vec3(0)); }
 
-void add(inout Wishes wishes, vec3 displacement) {
-  wishes.up = max(wishes.up, displacement);
-  wishes.down = min(wishes.down, displacement);
+void add(inout Wishes requests, vec3 displacement) {
+  requests.up = max(requests.up, displacement);
+  requests.down = min(requests.down, displacement);
 }
 
 // Where the images agree the larger displacement, where they pull against each other the sum.
-vec3 agreed(Wishes wishes) { return wishes.up + wishes.down; }
+vec3 agreed(Wishes requests) { return requests.up + requests.down; }

@@ -9,12 +9,12 @@ layout(local_size_x_id = 0) in;
 layout(push_constant, scalar) uniform Push { BackgroundArgs args; };
 
 void main() {
-  const Picture camera = pictureOf(args.cameras, args.first_camera + gl_WorkGroupID.y);
+  const ImageLayout camera = imageLayoutOf(args.cameras, args.first_camera + gl_WorkGroupID.y);
   const uint pixel = gl_GlobalInvocationID.x;
   if (pixel >= camera.width * camera.height) return;
   // its three bytes lie in one word or in two
-  const uint word = camera.picture_words + 3 * pixel / 4, shift = 8 * (3 * pixel & 3u);
-  const uint bytes = uint(packUint2x32(uvec2(args.pictures.at[word], args.pictures.at[word + 1])) >> shift);
+  const uint word = camera.image_words + 3 * pixel / 4, shift = 8 * (3 * pixel & 3u);
+  const uint bytes = uint(packUint2x32(uvec2(args.images.at[word], args.images.at[word + 1])) >> shift);
   for (uint channel = 0; channel < 3; ++channel) {
     const uint value = bytes >> (8 * channel) & 255u;
     args.sums.at[kLearnSums * (camera.pixels_before + pixel) + channel] += packUint2x32(uvec2(value, value * value));

@@ -9,7 +9,7 @@ layout(local_size_x_id = 0) in;
 layout(push_constant, scalar) uniform Push { BackgroundArgs args; };
 
 void main() {
-  const Picture camera = pictureOf(args.cameras, args.first_camera + gl_WorkGroupID.y);
+  const ImageLayout camera = imageLayoutOf(args.cameras, args.first_camera + gl_WorkGroupID.y);
   const uint pixel = gl_GlobalInvocationID.x;
   if (pixel >= camera.width * camera.height) return;
   const uint at = kLearnSums * (camera.pixels_before + pixel);

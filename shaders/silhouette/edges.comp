@@ -10,8 +10,8 @@ layout(push_constant, scalar) uniform Push { EdgeArgs args; };
 
 const uint kBackground = 0, kFour = 1, kEight = 2;  // kinds of neighbour: a score below 1, of 4 or more, of 8 or more
 
-// A word of pixels of that kind; none outside the picture.
-uint64_t pixelsOf(Picture camera, uint kind, uint row_start, uint pair) {
+// A word of pixels of that kind; none outside the image.
+uint64_t pixelsOf(ImageLayout camera, uint kind, uint row_start, uint pair) {
   const uint row_pairs = camera.row_words / 2;
   if (pair >= row_pairs) return 0ul;
   const uint at = kScoreLevels * (row_start + pair);
@@ -22,7 +22,7 @@ uint64_t pixelsOf(Picture camera, uint kind, uint row_start, uint pair) {
 }
 
 // Whether a score of 4 or more is within reach of any of the word's pixels.
-bool isNearObject(Picture camera, uint y, uint pair) {
+bool isNearObject(ImageLayout camera, uint y, uint pair) {
   const uint edge = 64 - kSmearReach;
   uint64_t found = 0ul;
   for (int dy = -kSmearReach; dy <= kSmearReach; ++dy) {
@@ -36,13 +36,13 @@ bool isNearObject(Picture camera, uint y, uint pair) {
 }
 
 void main() {
-  const Picture camera = pictureOf(args.cameras, gl_WorkGroupID.y);
+  const ImageLayout camera = imageLayoutOf(args.cameras, gl_WorkGroupID.y);
   const uint row_pairs = camera.row_words / 2;
   const uint y = gl_GlobalInvocationID.x / row_pairs, pair = gl_GlobalInvocationID.x % row_pairs;
   if (y >= camera.height) return;
   const uint own = camera.mask_words / 2 + gl_GlobalInvocationID.x;
   const uint64_t one = args.levels.at[kScoreLevels * own];
-  if (one == 0ul || !isNearObject(camera, y, pair)) {  // most of a picture: nothing, or the noise of its background
+  if (one == 0ul || !isNearObject(camera, y, pair)) {  // most of a image: nothing, or the noise of its background
     args.masks.at[own] = one;
     return;
   }

@@ -1,7 +1,7 @@
 #version 460
 // SPDX-License-Identifier: MIT
 // Removes speckle and smooths edges by the 3 x 3 majority, 64 pixels at once: the nine bits of a neighbourhood are added by carry-save
-// adders. Outside the picture counts as background.
+// adders. Outside the image counts as background.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/camera/image_layout.glsl"
 #include "shaders/silhouette/silhouette_io.h"
@@ -16,7 +16,7 @@ struct Sum {  // of three bits, 64 times
 Sum add(uint64_t a, uint64_t b, uint64_t c) { return Sum(a ^ b ^ c, (a & b) | (c & (a ^ b))); }
 
 void main() {
-  const Picture camera = pictureOf(args.cameras, gl_WorkGroupID.y);
+  const ImageLayout camera = imageLayoutOf(args.cameras, gl_WorkGroupID.y);
   const uint row_pairs = camera.row_words / 2;
   const uint y = gl_GlobalInvocationID.x / row_pairs, pair = gl_GlobalInvocationID.x % row_pairs;
   if (y >= camera.height) return;
@@ -45,7 +45,7 @@ void main() {
   // sum = ones.ones + 2 (ones.twos + twos.ones) + 4 twos.twos; at least 5
   const uint64_t two = ones.twos ^ twos.ones, carry = ones.twos & twos.ones;
   const uint64_t four = carry ^ twos.twos, eight = carry & twos.twos;
-  // a set pixel behind the right edge would be none of the picture's
+  // a set pixel behind the right edge would be none of the image's
   const uint pixels = camera.width - 64 * pair;
   args.cleaned.at[own] = (eight | (four & (two | ones.ones))) & (pixels < 64 ? (1ul << pixels) - 1ul : ~0ul);
 }

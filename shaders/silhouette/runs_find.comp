@@ -5,7 +5,7 @@
 #include "shaders/silhouette/runs.glsl"
 
 void main() {
-  const Picture camera = pictureOf(args.cameras, gl_WorkGroupID.y);
+  const ImageLayout camera = imageLayoutOf(args.cameras, gl_WorkGroupID.y);
   const uint y = gl_GlobalInvocationID.x;
   if (y >= camera.height) return;
   const uint at = runsOf(gl_WorkGroupID.y, y);

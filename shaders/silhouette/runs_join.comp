@@ -18,7 +18,7 @@ void join(uint a, uint b) {
 }
 
 void main() {
-  const Picture camera = pictureOf(args.cameras, gl_WorkGroupID.y);
+  const ImageLayout camera = imageLayoutOf(args.cameras, gl_WorkGroupID.y);
   const uint y = gl_GlobalInvocationID.x + 1;
   if (y >= camera.height) return;
   const uint row = gl_WorkGroupID.y * args.max_rows + y;

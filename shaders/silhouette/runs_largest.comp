@@ -9,7 +9,7 @@ shared uvec2 best[kSilhouetteWorkgroup];  // area, label
 bool better(uvec2 a, uvec2 b) { return a.x > b.x || (a.x == b.x && a.y < b.y); }
 
 void main() {
-  const Picture camera = pictureOf(args.cameras, gl_WorkGroupID.y);
+  const ImageLayout camera = imageLayoutOf(args.cameras, gl_WorkGroupID.y);
   uvec2 mine = uvec2(0, ~0u);
   for (uint y = gl_LocalInvocationID.x; y < camera.height; y += gl_WorkGroupSize.x) {
     const uint at = runsOf(gl_WorkGroupID.y, y);

@@ -1,11 +1,11 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// The area of each connected part, at its root, and whether it touches the picture's border: one invocation a row.
+// The area of each connected part, at its root, and whether it touches the image's border: one invocation a row.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/silhouette/runs.glsl"
 
 void main() {
-  const Picture camera = pictureOf(args.cameras, gl_WorkGroupID.y);
+  const ImageLayout camera = imageLayoutOf(args.cameras, gl_WorkGroupID.y);
   const uint y = gl_GlobalInvocationID.x;
   if (y >= camera.height) return;
   const uint at = runsOf(gl_WorkGroupID.y, y);

@@ -28,25 +28,25 @@ void addPixel(uint pixel, uint model, uint bit) {
 }
 
 // The general case: four pixels are three words, or parts of four.
-void addPixels(Picture camera, uint first, uint count) {
+void addPixels(ImageLayout camera, uint first, uint count) {
   for (uint i = 0; i < count; i += 4) {
     const uint byte = 3 * (first + i), shift = 8 * (byte & 3u);
-    const uint at = camera.picture_words + byte / 4;
-    uvec3 bytes = uvec3(args.pictures.at[at], args.pictures.at[at + 1], args.pictures.at[at + 2]);
-    if (shift != 0) bytes = bytes >> shift | uvec3(bytes.yz, args.pictures.at[at + 3]) << (32 - shift);
+    const uint at = camera.image_words + byte / 4;
+    uvec3 bytes = uvec3(args.images.at[at], args.images.at[at + 1], args.images.at[at + 2]);
+    if (shift != 0) bytes = bytes >> shift | uvec3(bytes.yz, args.images.at[at + 3]) << (32 - shift);
     const uint pixels[4] = {bytes.x, bytes.x >> 24 | bytes.y << 8, bytes.y >> 16 | bytes.z << 16, bytes.z >> 8};
     for (uint k = 0; k < 4 && i + k < count; ++k)
       addPixel(pixels[k], args.model.at[camera.pixels_before + first + i + k], i + k);
   }
 }
 
-// Pictures whose width is a multiple of eight: eight pixels are three pairs of words, their models four.
-void addPixelsInPairs(Picture camera, uint first, uint count) {
-  ReadPairs pictures = ReadPairs(uint64_t(args.pictures));
+// Images whose width is a multiple of eight: eight pixels are three pairs of words, their models four.
+void addPixelsInPairs(ImageLayout camera, uint first, uint count) {
+  ReadPairs images = ReadPairs(uint64_t(args.images));
   ReadPairs model = ReadPairs(uint64_t(args.model));
   for (uint i = 0; i < count; i += 8) {
-    const uint at = camera.picture_words / 2 + 3 * ((first + i) / 8);
-    const uint64_t a = pictures.at[at], b = pictures.at[at + 1], c = pictures.at[at + 2];
+    const uint at = camera.image_words / 2 + 3 * ((first + i) / 8);
+    const uint64_t a = images.at[at], b = images.at[at + 1], c = images.at[at + 2];
     const uint pixels[8] = {uint(a), uint(a >> 24), uint(a >> 48) | uint(b) << 16, uint(b >> 8),
                             uint(b >> 32), uint(b >> 56) | uint(c) << 8, uint(c >> 16), uint(c >> 40)};
     for (uint k = 0; k < 4; ++k) {
@@ -58,7 +58,7 @@ void addPixelsInPairs(Picture camera, uint first, uint count) {
 }
 
 void main() {
-  const Picture camera = pictureOf(args.cameras, gl_WorkGroupID.y);
+  const ImageLayout camera = imageLayoutOf(args.cameras, gl_WorkGroupID.y);
   const uint row_pairs = camera.row_words / 2;
   const uint y = gl_GlobalInvocationID.x / row_pairs, pair = gl_GlobalInvocationID.x % row_pairs;
   if (y >= camera.height) return;

@@ -20,7 +20,7 @@ const float kSpreadStep = 0.125f;
 const uint kLearnSums = 3;
 const uint kMaxLearnFrames = 256;  // 256 · 255² still fits 32 bits
 
-// 2.5 grey levels: the noise of an ordinary camera indoors. H.264 smooths it away and repeats an empty picture unchanged, so that the spread
+// 2.5 grey levels: the noise of an ordinary camera indoors. H.264 smooths it away and repeats an empty image unchanged, so that the spread
 // learned is 0; then it codes anew what the hand passes, with errors as large as the noise was.
 const float kMinSpread = 2.5f;
 
@@ -37,17 +37,17 @@ const uint kScoreLevels = 4;
 // background_add: a frame into the sums. background_finish: the sums into the model.
 struct BackgroundArgs {
   ReadCameras cameras;
-  ReadUints pictures;
+  ReadUints images;
   ReadWritePairs sums;
   WriteUints model;
   uint frames;  // so far
   uint first_camera;
 };
 
-// segment: one invocation a pair of mask words, to its pairs of levels. `pictures` are BGR bytes, rows without padding, each camera's at a whole word.
+// segment: one invocation a pair of mask words, to its pairs of levels. `images` are BGR bytes, rows without padding, each camera's at a whole word.
 struct SegmentArgs {
   ReadCameras cameras;
-  ReadUints pictures;
+  ReadUints images;
   ReadUints model;
   WritePairs levels;
 };
@@ -74,7 +74,7 @@ struct MajorityArgs {
 // Connected parts by runs of pixels. A row has at most kMaxRuns of them; run i of row y of a camera is entry
 // (y · kMaxRuns + i) behind the camera's first, its label the index of the entry that it hangs on (its own at a root).
 const uint kMaxRuns = 256;      // a row of noise has more: what comes behind is dropped as speckle
-const uint kBorderArea = 0x80000000u;  // flag in a root's area: the part touches the picture's border
+const uint kBorderArea = 0x80000000u;  // flag in a root's area: the part touches the image's border
 
 struct RunArgs {
   ReadCameras cameras;

@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// The picture that a camera would send: hand before backdrop, Gaussian noise, BGR bytes.
+// The image that a camera would send: hand before backdrop, Gaussian noise, BGR bytes.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/synthetic/sensor_io.h"
 #include "shaders/synthetic/noise.glsl"
@@ -47,7 +47,7 @@ uvec4 fourAt(uint64_t words, uint index) {
 }
 
 void main() {
-  const Picture camera = pictureOf(args.cameras, args.camera);
+  const ImageLayout camera = imageLayoutOf(args.cameras, args.camera);
   const uint pixels = camera.width * camera.height, first = 4 * gl_GlobalInvocationID.x;
   if (first >= pixels) return;
 
@@ -59,9 +59,9 @@ void main() {
   const uint p0 = bgr(seen(backdrop.x, hand.x, shadow), hash.x), p1 = bgr(seen(backdrop.y, hand.y, shadow), hash.x >> 16);
   const uint p2 = bgr(seen(backdrop.z, hand.z, shadow), hash.y), p3 = bgr(seen(backdrop.w, hand.w, shadow), hash.y >> 16);
 
-  const uint word = camera.picture_words + 3 * gl_GlobalInvocationID.x;
+  const uint word = camera.image_words + 3 * gl_GlobalInvocationID.x;
   const uint words = min(3u, (3 * (pixels - first) + 3) / 4);  // of the last pixels, no word more than there is
-  args.pictures.at[word] = p0 | p1 << 24;
-  if (words > 1) args.pictures.at[word + 1] = p1 >> 8 | p2 << 16;
-  if (words > 2) args.pictures.at[word + 2] = p2 >> 16 | p3 << 8;
+  args.images.at[word] = p0 | p1 << 24;
+  if (words > 1) args.images.at[word + 1] = p1 >> 8 | p2 << 16;
+  if (words > 2) args.images.at[word + 2] = p2 >> 16 | p3 << 8;
 }

@@ -68,7 +68,7 @@ struct ComposeArgs {
   ReadUints backdrop;
   ReadFloats shadow;
   ReadUlongs noise;     // the table
-  WriteUints pictures;  // GpuRig's layout
+  WriteUints images;  // GpuRig's layout
   uint camera;
   uint all_pixels;  // of all cameras
   uint seed;

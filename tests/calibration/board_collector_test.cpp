@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What is collected of a waved board, on drawn pictures whose truth is known.
+// What is collected of a waved board, on drawn images whose truth is known.
 #include "capture/calibration/board_collector.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 namespace airclay {
 namespace {
 
-constexpr PictureSize kSize = {320, 240};
+constexpr ImageSize kSize = {320, 240};
 
 /// Two cameras half a metre apart that look at one place, a metre away.
 struct Stage {
@@ -30,7 +30,7 @@ struct Stage {
   LiveSet set(const Pose& world_from_board, double time_s, const BoardShot& shot = {}) const {
     LiveSet result;
     for (const Camera& camera : rig.cameras) {
-      result.pictures.push_back({kSize, drawBoard(board, camera, world_from_board, shot)});
+      result.images.push_back({kSize, drawBoard(board, camera, world_from_board, shot)});
       result.camera_times_s.push_back(time_s);
     }
     result.time_s = time_s;
@@ -43,7 +43,7 @@ struct Stage {
   }
 };
 
-TEST(BoardLight, BlurAndLightAreThoseOfTheDrawing) {
+TEST(BoardExposure, BlurAndLightAreThoseOfTheDrawing) {
   const Stage stage;
   // far enough that a square has 50 pixels
   Camera camera = stage.rig.cameras[0];
@@ -58,7 +58,7 @@ TEST(BoardLight, BlurAndLightAreThoseOfTheDrawing) {
       shot.noise_sigma = 2;
       const Pose pose = boardBefore(board, camera, 0.45, Vec3(turn, 0.5 * turn, turn));
       const std::vector<std::uint8_t> bgr = drawBoard(board, camera, pose, shot);
-      const auto light = boardLight(board, trueView(board, camera, pose, 3), kSize, bgr);
+      const auto light = boardExposure(board, trueView(board, camera, pose, 3), kSize, bgr);
       ASSERT_TRUE(light) << blur_px;
       // a pixel's own square has a standard deviation of 1 / sqrt(12)
       EXPECT_NEAR(light->blur_px, std::hypot(blur_px, std::sqrt(1.0 / 12)), 0.2) << blur_px << " " << turn;
@@ -67,12 +67,12 @@ TEST(BoardLight, BlurAndLightAreThoseOfTheDrawing) {
     }
 }
 
-TEST(BoardLight, ABoardThatIsTurnedAwayIsAsBright) {
+TEST(BoardExposure, ABoardThatIsTurnedAwayIsAsBright) {
   const Stage stage;
   const Camera& camera = stage.rig.cameras[0];
   for (const double turn : {0.0, 0.6, 0.9, 1.1}) {
     const Pose pose = boardBefore(stage.board, camera, 0.45, Vec3(0, turn, 0));
-    const auto light = boardLight(stage.board, trueView(stage.board, camera, pose, 3), kSize,
+    const auto light = boardExposure(stage.board, trueView(stage.board, camera, pose, 3), kSize,
                                   drawBoard(stage.board, camera, pose));
     if (!light) continue;  // too narrow to tell
     EXPECT_GT(light->white, 200) << turn;
@@ -80,12 +80,12 @@ TEST(BoardLight, ABoardThatIsTurnedAwayIsAsBright) {
   }
 }
 
-TEST(BoardLight, AnEvenGreyHasNone) {
+TEST(BoardExposure, AnEvenGreyHasNone) {
   const Stage stage;
   const Pose pose = stage.before(0);
   const std::vector<std::uint8_t> grey(std::size_t(3) * 320 * 240, 128);
-  EXPECT_FALSE(boardLight(stage.board, trueView(stage.board, stage.rig.cameras[0], pose), kSize, grey));
-  EXPECT_FALSE(boardLight(stage.board, {}, kSize, grey));
+  EXPECT_FALSE(boardExposure(stage.board, trueView(stage.board, stage.rig.cameras[0], pose), kSize, grey));
+  EXPECT_FALSE(boardExposure(stage.board, {}, kSize, grey));
 }
 
 TEST(BoardCollector, ABoardThatMovesIsNotKeptAndOneThatRestsIsKeptOnce) {
@@ -185,12 +185,12 @@ TEST(BoardCollector, TheWorldsBoardIsKeptAlthoughItIsKnown) {
   EXPECT_EQ(collector.keptSets(), 1) << "once";
 }
 
-TEST(BoardCollector, ACameraWithoutAPictureIsPassedOver) {
+TEST(BoardCollector, ACameraWithoutAImageIsPassedOver) {
   const Stage stage;
   BoardCollector collector = stage.collector();
   for (int i = 0; i < 2; ++i) {
     LiveSet set = stage.set(stage.before(0), i / 30.0);
-    set.pictures[1] = {};
+    set.images[1] = {};
     collector.add(set);
   }
   EXPECT_EQ(collector.cameras()[0].views, 1);

@@ -169,11 +169,11 @@ TEST(BoardPng, IsTrueToScaleAndDetected) {
     EXPECT_EQ(pixels_per_m, std::round(100 / 0.0254));
     EXPECT_EQ(bytes[chunk + 12], 1) << "per metre";
 
-    const PictureSize size = pictureSize(file);  // checks every chunk's sum, too
+    const ImageSize size = imageSize(file);  // checks every chunk's sum, too
     EXPECT_EQ(size.width, std::ceil(0.420 * pixels_per_m));
     std::vector<std::uint8_t> grey(std::size_t(size.width) * std::size_t(size.height));
-    readPicture(file, size, PixelForm::kGrey8, grey);
-    const std::optional<BoardView> view = BoardDetector(board).find(size, PixelForm::kGrey8, grey);
+    readImage(file, size, PixelFormat::kGrey8, grey);
+    const std::optional<BoardView> view = BoardDetector(board).find(size, PixelFormat::kGrey8, grey);
     ASSERT_TRUE(view) << board.inverted << board.chessboard;
     ASSERT_EQ(static_cast<int>(view->ids.size()), board.cornerCount());
     double left = 1, top = 1;

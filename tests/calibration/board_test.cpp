@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Boards against OpenCV's own drawing, and their corners in pictures against where they truly are.
+// Boards against OpenCV's own drawing, and their corners in images against where they truly are.
 #include "capture/calibration/board.h"
 
 #include <gtest/gtest.h>
@@ -48,8 +48,8 @@ Camera webcam() {
   return camera;
 }
 
-std::optional<BoardView> look(const Board& as, const Camera& camera, std::span<const std::uint8_t> picture) {
-  return BoardDetector(as).find({camera.width, camera.height}, PixelForm::kBgr8, picture);
+std::optional<BoardView> look(const Board& as, const Camera& camera, std::span<const std::uint8_t> image) {
+  return BoardDetector(as).find({camera.width, camera.height}, PixelFormat::kBgr8, image);
 }
 
 /// How the found corners are off the true ones, in pixels.
@@ -59,12 +59,12 @@ struct Errors {
   double rms = 0, largest = 0;
 };
 
-/// Adds one picture's; a corner that the board has not, or that is out of the picture, is a failure.
+/// Adds one image's; a corner that the board has not, or that is out of the image, is a failure.
 void compare(const BoardView& found, const BoardView& truth, Errors& errors) {
   ASSERT_TRUE(std::is_sorted(found.ids.begin(), found.ids.end()));
   for (std::size_t i = 0; i < found.ids.size(); ++i) {
     const auto place = std::find(truth.ids.begin(), truth.ids.end(), found.ids[i]);
-    ASSERT_NE(place, truth.ids.end()) << "corner " << found.ids[i] << " is not in the picture";
+    ASSERT_NE(place, truth.ids.end()) << "corner " << found.ids[i] << " is not in the image";
     const Vec2 off = found.pixels[i] - truth.pixels[static_cast<std::size_t>(place - truth.ids.begin())];
     ++errors.corners;
     errors.bias += off;
@@ -73,7 +73,7 @@ void compare(const BoardView& found, const BoardView& truth, Errors& errors) {
   }
 }
 
-/// Boards held at `distance_m`, aslant by up to `tilt` radians and turned any way, all over the picture.
+/// Boards held at `distance_m`, aslant by up to `tilt` radians and turned any way, all over the image.
 Errors errorsOver(const Board& board, double distance_m, const BoardShot& shot, double tilt = 0.7) {
   const Camera camera = webcam();
   const BoardDetector detector(board);
@@ -87,10 +87,10 @@ Errors errorsOver(const Board& board, double distance_m, const BoardShot& shot, 
     const Pose pose = boardBefore(board, camera, distance_m, turn, offset);
     BoardShot here = shot;
     here.seed = static_cast<std::uint32_t>(i + 1);
-    const std::vector<std::uint8_t> picture = drawBoard(board, camera, pose, here);
+    const std::vector<std::uint8_t> image = drawBoard(board, camera, pose, here);
     const std::optional<BoardView> view =
-        detector.find({camera.width, camera.height}, PixelForm::kBgr8, picture);
-    EXPECT_TRUE(view) << "picture " << i;
+        detector.find({camera.width, camera.height}, PixelFormat::kBgr8, image);
+    EXPECT_TRUE(view) << "image " << i;
     errors.expected += static_cast<int>(trueView(board, camera, pose, 8).ids.size());
     if (view) compare(*view, trueView(board, camera, pose), errors);
   }
@@ -181,7 +181,7 @@ TEST(Board, WhatCannotBeIsRefused) {
   expect("--two-sided", [](Board& b) { b.chessboard = b.two_sided = true, b.squares_y = 4; });
 }
 
-// The picture of the paper's distance: cells of 3.4 pixels.
+// The image of the paper's distance: cells of 3.4 pixels.
 TEST(BoardDetector, CornersOfTheDefaultBoardAtArmsLength) {
   expectWithin(errorsOver(Board(), 1.1, {}), 0.005, 0.02, 0.08);
   expectWithin(errorsOver(Board(), 1.1, {.noise_sigma = 2.5, .blur_px = 0.6}), 0.006, 0.03, 0.12);
@@ -240,7 +240,7 @@ TEST(BoardDetector, AnAmbiguousChessboardsRowsRunToTheRight) {
   }
 }
 
-TEST(BoardDetector, OfABoardThatIsHalfOutOfThePictureTheRestIsFound) {
+TEST(BoardDetector, OfABoardThatIsHalfOutOfTheImageTheRestIsFound) {
   const Camera camera = webcam();
   const Board board = a3Board();
   for (const Vec3& offset : {Vec3(0.5, 0, 0), Vec3(-0.5, 0.1, 0), Vec3(0, 0.4, 0), Vec3(0.4, -0.3, 0)}) {
@@ -260,14 +260,14 @@ TEST(BoardDetector, WhatAHandCoversIsLeftOut) {
   const Camera camera = webcam();
   const Board board = a3Board();
   const Pose pose = boardBefore(board, camera, 0.9, Vec3(0.2, -0.3, 0.1));
-  std::vector<std::uint8_t> picture = drawBoard(board, camera, pose, {.noise_sigma = 2.5});
+  std::vector<std::uint8_t> image = drawBoard(board, camera, pose, {.noise_sigma = 2.5});
   const BoardView truth = trueView(board, camera, pose);
   const Vec2 hand = truth.pixels[8];
   for (int y = 0; y < camera.height; ++y)
     for (int x = 0; x < camera.width; ++x)
       if ((Vec2(x, y) - hand).norm() < 50)
-        std::fill_n(&picture[static_cast<std::size_t>(3 * (y * camera.width + x))], 3, std::uint8_t{150});
-  const auto view = look(board, camera, picture);
+        std::fill_n(&image[static_cast<std::size_t>(3 * (y * camera.width + x))], 3, std::uint8_t{150});
+  const auto view = look(board, camera, image);
   ASSERT_TRUE(view);
   for (std::size_t i = 0; i < view->ids.size(); ++i)
     EXPECT_GT((view->pixels[i] - hand).norm(), 48) << view->ids[i];
@@ -312,9 +312,9 @@ TEST(BoardDetector, NothingIsFoundWhereNothingIs) {
   EXPECT_FALSE(look(board, camera, std::vector<std::uint8_t>(640 * 480 * 3, 128)));
   EXPECT_FALSE(look(chessboard(10, 7), camera, std::vector<std::uint8_t>(640 * 480 * 3, 128)));
   const std::vector<std::uint8_t> one(3, 0);
-  EXPECT_FALSE(BoardDetector(board).find({1, 1}, PixelForm::kBgr8, one));
-  EXPECT_FALSE(BoardDetector(chessboard(10, 7)).find({1, 1}, PixelForm::kBgr8, one));
-  EXPECT_NE(messageOf([&] { BoardDetector(board).find({2, 1}, PixelForm::kBgr8, one); }), "");
+  EXPECT_FALSE(BoardDetector(board).find({1, 1}, PixelFormat::kBgr8, one));
+  EXPECT_FALSE(BoardDetector(chessboard(10, 7)).find({1, 1}, PixelFormat::kBgr8, one));
+  EXPECT_NE(messageOf([&] { BoardDetector(board).find({2, 1}, PixelFormat::kBgr8, one); }), "");
 }
 
 TEST(BoardDetector, ATwoSidedBoardIsFoundFromBehind) {
@@ -332,20 +332,20 @@ TEST(BoardDetector, ATwoSidedBoardIsFoundFromBehind) {
   }
 }
 
-TEST(BoardDetector, GreyPicturesAndThreadsChangeNothing) {
+TEST(BoardDetector, GreyImagesAndThreadsChangeNothing) {
   const Camera camera = webcam();
   const Board board = a3Board();
   const BoardDetector detector(board);
-  const PictureSize size{camera.width, camera.height};
+  const ImageSize size{camera.width, camera.height};
   const Pose pose = boardBefore(board, camera, 1.0, Vec3(0.3, 0.2, 0.1));
   const std::vector<std::uint8_t> bgr = drawBoard(board, camera, pose, {.noise_sigma = 2.5});
   std::vector<std::uint8_t> grey;
   for (std::size_t i = 0; i < bgr.size(); i += 3) grey.push_back(bgr[i]);
-  const auto expected = detector.find(size, PixelForm::kGrey8, grey);
+  const auto expected = detector.find(size, PixelFormat::kGrey8, grey);
   ASSERT_TRUE(expected);
   std::vector<std::optional<BoardView>> views(4);
   std::vector<std::thread> threads;
-  for (auto& view : views) threads.emplace_back([&] { view = detector.find(size, PixelForm::kBgr8, bgr); });
+  for (auto& view : views) threads.emplace_back([&] { view = detector.find(size, PixelFormat::kBgr8, bgr); });
   for (std::thread& thread : threads) thread.join();
   for (const auto& view : views) {
     ASSERT_TRUE(view);

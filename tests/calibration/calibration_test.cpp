@@ -255,17 +255,17 @@ TEST(Calibration, camerasThatAreNotSynchronisedAreSaidSo) {
   expectAccurate(scene.rig, found.rig);
 }
 
-/// Really drawn pictures through the detector, in picture folders.
+/// Really drawn images through the detector, in image folders.
 class RecordingTest : public testing::Test {
  protected:
   void draw(const Scene& scene, int frames) {
-    drawPictures(folder.path(), scene.rig, scene.board,
+    drawImages(folder.path(), scene.rig, scene.board,
                  {scene.boards.begin(), scene.boards.begin() + frames});
   }
   TemporaryFolder folder;
 };
 
-TEST_F(RecordingTest, drawnPicturesGiveTheRig) {
+TEST_F(RecordingTest, renderedImagesGiveTheRig) {
   const Scene scene;
   draw(scene, scene.wave.frames);
   BoardRecording recording(folder.path());
@@ -278,8 +278,8 @@ TEST_F(RecordingTest, drawnPicturesGiveTheRig) {
   EXPECT_LE(found.rms_px, 0.35);
 
   drawCalibration(folder / "rig.png", scene.board, found);
-  const cv::Mat picture = cv::imread((folder / "rig.png").string());
-  EXPECT_EQ(picture.cols, 3 * 496 + 16);
+  const cv::Mat image = cv::imread((folder / "rig.png").string());
+  EXPECT_EQ(image.cols, 3 * 496 + 16);
 
   Board other = scene.board;
   other.dictionary = "6X6_250";
@@ -293,14 +293,14 @@ TEST_F(RecordingTest, theProgramWritesTheRig) {
   wave.frames = 32;
   const Scene scene(wave);
   draw(scene, wave.frames);
-  const std::string rig = folder / "rig.toml", picture = folder / "rig.png";
+  const std::string rig = folder / "rig.toml", image = folder / "rig.png";
   const std::vector<std::string> board = {"--squares", "7x5", "--square-mm", "55", "--marker-mm", "41"};
   const auto run = [&](std::vector<std::string> words, const RunOptions& options = {}) {
     words.insert(words.begin(), {"calibrate", folder.path().string(), "--out", rig});
     words.insert(words.end(), board.begin(), board.end());
     return runAirclay(words, options);
   };
-  const Ran ran = run({"--json", "--picture", picture, "--world", "3", "--center", "0,0,0"});
+  const Ran ran = run({"--json", "--picture", image, "--world", "3", "--center", "0,0,0"});
   ASSERT_EQ(ran.status, 0) << ran.errors;
   const nlohmann::json figures = nlohmann::json::parse(ran.output);
   EXPECT_LE(figures.at("rms_px").get<double>(), 0.35);
@@ -309,7 +309,7 @@ TEST_F(RecordingTest, theProgramWritesTheRig) {
   EXPECT_EQ(figures["cameras"][3].at("name"), "cam3");
   EXPECT_GE(figures["cameras"][3].at("views").get<int>(), kFewestViews);
   EXPECT_TRUE(figures.at("warnings").is_array());
-  EXPECT_FALSE(cv::imread(picture).empty());
+  EXPECT_FALSE(cv::imread(image).empty());
   const Rig found = readRig(rig);
   const CubeError error = cubeError(scene.rig, found);
   EXPECT_LE(error.central_mm, 0.12);
@@ -337,16 +337,16 @@ TEST_F(RecordingTest, theProgramWritesTheRig) {
 class Follower {
  public:
   explicit Follower(const Rig& believed) : pipeline_(testGpu(), believed, builtInHand(false)) {
-    for (std::size_t c = 0; c < believed.cameras.size(); ++c) pictures.push_back(pipeline_.picture(c));
+    for (std::size_t c = 0; c < believed.cameras.size(); ++c) images.push_back(pipeline_.image(c));
   }
   void learn() { pipeline_.learnBackground(); }
   void follow(const Pose& truth) {
-    const FrameResult result = pipeline_.trackPictures();
+    const FrameResult result = pipeline_.trackImages();
     EXPECT_EQ(result.hand, HandState::kTracked);
     errors_mm.push_back(1000 * poseError(result.fit.world_from_hand, truth, Vec3::Zero()).shift_m);
   }
 
-  std::vector<std::span<std::uint8_t>> pictures;  ///< where the next ones go
+  std::vector<std::span<std::uint8_t>> images;  ///< where the next ones go
   std::vector<double> errors_mm;                  ///< of the hand's place, frame by frame
 
  private:
@@ -380,10 +380,10 @@ TEST_F(RecordingTest, theRecoveredRigTracksTheHandAsTheTrueOneDoes) {
   Synthetic take(testGpu(), options);
   Follower with_truth(truth), with_recovered(alignedTo(truth, recovered));
   for (int frame = 0; frame < take.backgroundFrames() + 20; ++frame) {
-    ASSERT_TRUE(take.readPictures(frame, with_truth.pictures));
-    for (std::size_t c = 0; c < with_truth.pictures.size(); ++c)
-      std::copy(with_truth.pictures[c].begin(), with_truth.pictures[c].end(),
-                with_recovered.pictures[c].begin());
+    ASSERT_TRUE(take.readImages(frame, with_truth.images));
+    for (std::size_t c = 0; c < with_truth.images.size(); ++c)
+      std::copy(with_truth.images[c].begin(), with_truth.images[c].end(),
+                with_recovered.images[c].begin());
     const int seen = frame - take.backgroundFrames();
     for (Follower* follower : {&with_truth, &with_recovered})
       if (seen < 0)

@@ -294,21 +294,21 @@ TEST(Recalibration, otherCamerasThanTheRigsAreNamed) {
   scene.views[1].name = "cam1";
   scene.views[3].width *= 2, scene.views[3].height *= 2;  // a plain scaling, but none that is asked for
   message = messageOf([&] { scene.recalibrated(); });
-  EXPECT_NE(message.find("\"cam3\": its pictures are 1280 x 960 pixels, the rig's 640 x 480"),
+  EXPECT_NE(message.find("\"cam3\": its images are 1280 x 960 pixels, the rig's 640 x 480"),
             std::string::npos)
       << message;
   scene.views.pop_back();
-  EXPECT_NE(messageOf([&] { scene.recalibrated(); }).find("no pictures of the rig's \"cam3\""),
+  EXPECT_NE(messageOf([&] { scene.recalibrated(); }).find("no images of the rig's \"cam3\""),
             std::string::npos);
 }
 
-/// The program, on drawn pictures.
+/// The program, on drawn images.
 TEST(RecalibrateApp, WritesTheRigAndSaysWhichCameraMoved) {
   const TemporaryFolder folder;
   const BumpedScene scene({2}, {.frames = 16});
   const std::filesystem::path take = folder / "take";
-  drawPictures(take, scene.truth, scene.board, scene.boards);
-  const std::string old = folder / "old.toml", out = folder / "new.toml", picture = folder / "new.png";
+  drawImages(take, scene.truth, scene.board, scene.boards);
+  const std::string old = folder / "old.toml", out = folder / "new.toml", image = folder / "new.png";
   writeRig(old, scene.old);
   const auto run = [&](const std::string& rig, std::vector<std::string> words,
                        const RunOptions& options = {}) {
@@ -316,7 +316,7 @@ TEST(RecalibrateApp, WritesTheRigAndSaysWhichCameraMoved) {
                                  "--square-mm", "55", "--marker-mm", "41"});
     return runAirclay(words, options);
   };
-  const Ran ran = run(old, {"--json", "--picture", picture});
+  const Ran ran = run(old, {"--json", "--picture", image});
   ASSERT_EQ(ran.status, 0) << ran.errors;
   const json figures = json::parse(ran.output);
   EXPECT_LE(figures.at("rms_px").get<double>(), 0.35);
@@ -335,7 +335,7 @@ TEST(RecalibrateApp, WritesTheRigAndSaysWhichCameraMoved) {
   EXPECT_NEAR(figures["cameras"][2].at("moved_mm").get<double>(), 12, 0.8);
   EXPECT_NEAR(figures["cameras"][2].at("turned_deg").get<double>(), 1.5, 0.05);
   EXPECT_LE(cubeErrorInPlace(scene.truth, readRig(out)).whole_mm, 0.3);
-  EXPECT_FALSE(cv::imread(picture).empty());
+  EXPECT_FALSE(cv::imread(image).empty());
 
   const Ran told = run(old, {"--world", "3"});
   EXPECT_EQ(told.status, 0) << told.errors;
@@ -353,7 +353,7 @@ TEST(RecalibrateApp, WritesTheRigAndSaysWhichCameraMoved) {
   Rig other = scene.old;
   other.cameras[0].name = "left";
   writeRig(folder / "other.toml", other);
-  refused(run(folder / "other.toml", {}), 1, take.string() + ": there are no pictures of the rig's \"left\"");
+  refused(run(folder / "other.toml", {}), 1, take.string() + ": there are no images of the rig's \"left\"");
   refused(run(folder / "none.toml", {}), 1, "none.toml");
   refused(run(old, {"--every", "9"}), 1, "at least 3");
   refused(run(old, {"--world", "16"}), 1, "0 to 15");

@@ -22,9 +22,9 @@ Rig goodRig() {
   return ringRig(4, 640, 480);
 }
 
-std::string shown(const std::vector<RigFinding>& findings) {
+std::string shown(const std::vector<RigDiagnostic>& findings) {
   std::string text;
-  for (const RigFinding& finding : findings) text += faultMessage(finding, "rig") + "\n";
+  for (const RigDiagnostic& finding : findings) text += faultMessage(finding, "rig") + "\n";
   return text;
 }
 
@@ -40,14 +40,14 @@ Mat3 axes(double x, double y, double z) {
 
 TEST(RigFaults, areAllListedAndTheFirstIsThrown) {
   Rig rig = goodRig();
-  EXPECT_EQ(shown(rigFaults(rig)), "");
+  EXPECT_EQ(shown(rigErrors(rig)), "");
   rig.cameras[0].name = "a/b";
   rig.cameras[0].width = 8;
   rig.cameras[1].lens.fx = -3;
   rig.cameras[1].camera_from_world.translation().x() = kNaN;
   rig.cameras[2].name = "cam3";
   rig.cameras[3].camera_from_world.translation() = Vec3(0, 0, 0.1);
-  const std::vector<RigFinding> faults = rigFaults(rig);
+  const std::vector<RigDiagnostic> faults = rigErrors(rig);
   const std::vector<std::pair<std::string, std::string>> expected = {
       {"a/b", "name"},         {"a/b", "size is 8 x 480"}, {"cam1", "focal lengths"},
       {"cam1", "translation"}, {"", "two cameras"},        {"cam3", "inside"}};
@@ -89,7 +89,7 @@ struct Oddity {
 };
 
 TEST(RigSuspicions, nameWhatHappenedToAGoodRig) {
-  EXPECT_EQ(shown(rigSuspicions(goodRig())), "");
+  EXPECT_EQ(shown(rigWarnings(goodRig())), "");
   const auto each = [](const std::function<void(Camera&)>& happen) {
     return [happen](Rig& rig) { std::for_each(rig.cameras.begin(), rig.cameras.end(), happen); };
   };
@@ -118,7 +118,7 @@ TEST(RigSuspicions, nameWhatHappenedToAGoodRig) {
       {"sides exchanged",
        [](Rig& rig) { std::swap(rig.cameras[1].width, rig.cameras[1].height); },
        {"cam1", "width and height exchanged"}},
-      {"matrix of a picture half as large",
+      {"matrix of a image half as large",
        [](Rig& rig) {
          Lens& lens = rig.cameras[1].lens;
          for (double* value : {&lens.fx, &lens.fy, &lens.cx, &lens.cy}) *value *= 0.5;
@@ -130,7 +130,7 @@ TEST(RigSuspicions, nameWhatHappenedToAGoodRig) {
          rig.cameras[0].lens.distortion = {-0.9, 0, 0, 0, 0, 0, 0, 0};
          rig.cameras[0].lens = withMonotonicRange(rig.cameras[0].lens);
        },
-       {"cam0", "ends inside the picture"}},
+       {"cam0", "ends inside the image"}},
       {"cube elsewhere",
        [](Rig& rig) { rig.workspace.center = Vec3(0, 0, -0.9); },
        {"come nearest to each other at 0,0,0;"}},
@@ -142,15 +142,15 @@ TEST(RigSuspicions, nameWhatHappenedToAGoodRig) {
   for (const Oddity& oddity : oddities) {
     Rig rig = goodRig();
     oddity.happen(rig);
-    const std::vector<RigFinding> findings = rigSuspicions(rig);
-    const bool is_found = std::any_of(findings.begin(), findings.end(), [&](const RigFinding& finding) {
+    const std::vector<RigDiagnostic> findings = rigWarnings(rig);
+    const bool is_found = std::any_of(findings.begin(), findings.end(), [&](const RigDiagnostic& finding) {
       const std::string line = faultMessage(finding, "rig");
       return std::all_of(oddity.said.begin(), oddity.said.end(),
                          [&](const std::string& word) { return line.find(word) != std::string::npos; });
     });
     EXPECT_TRUE(is_found) << oddity.name << ": " << shown(findings);
-    for (const RigFinding& finding : findings) {
-      EXPECT_EQ(finding.severity, Severity::kSuspicion);
+    for (const RigDiagnostic& finding : findings) {
+      EXPECT_EQ(finding.severity, Severity::kWarning);
       EXPECT_EQ(finding.what.find('\n'), std::string::npos);
     }
   }
@@ -161,9 +161,9 @@ TEST(RigSuspicions, camerasSideBySideAreTooClose) {
   rig.cameras[1] = rig.cameras[0];
   rig.cameras[1].name = "beside";
   rig.cameras[1].camera_from_world.translation().x() += 0.1;  // 5 degrees at 1.06 m
-  EXPECT_NE(shown(rigSuspicions(rig)).find("degrees to each other"), std::string::npos);
+  EXPECT_NE(shown(rigWarnings(rig)).find("degrees to each other"), std::string::npos);
   rig.cameras[1].camera_from_world.translation().x() += 0.2;  // 16 degrees
-  EXPECT_EQ(shown(rigSuspicions(rig)).find("degrees to each other"), std::string::npos);
+  EXPECT_EQ(shown(rigWarnings(rig)).find("degrees to each other"), std::string::npos);
 }
 
 TEST(RigFigures, areTheKnownOnes) {
@@ -174,7 +174,7 @@ TEST(RigFigures, areTheKnownOnes) {
     camera.name = i ? "half" : "whole";
     camera.width = 1000, camera.height = 800;
     camera.lens.fx = camera.lens.fy = 10000, camera.lens.cx = 499.5, camera.lens.cy = 399.5;
-    if (i) camera.lens.cx = -0.5;  // its axis is the picture's left border
+    if (i) camera.lens.cx = -0.5;  // its axis is the image's left border
     camera.lens = withMonotonicRange(camera.lens);
     Mat3 turn;
     if (i)
@@ -221,8 +221,8 @@ struct Scene {
   std::vector<MaskSet> instants = {sphereMasks(rig, Vec3(0.08, -0.05, 0.06), 0.07),
                                    sphereMasks(rig, Vec3(-0.06, 0.03, -0.02), 0.05)};
 
-  std::vector<RigFinding> findings() const {
-    return silhouetteFindings(rig, instants, silhouetteAgreement(rig, instants));
+  std::vector<RigDiagnostic> findings() const {
+    return silhouetteDiagnostics(rig, instants, silhouetteAgreement(rig, instants));
   }
 };
 
@@ -261,35 +261,35 @@ TEST(RigAgreement, aWrongRigIsFoundAndWhatItIsDueTo) {
   for (const Oddity& oddity : oddities) {
     Scene scene;
     oddity.happen(scene.rig);
-    const std::vector<RigFinding> findings = scene.findings();
+    const std::vector<RigDiagnostic> findings = scene.findings();
     ASSERT_EQ(findings.size(), 1u) << oddity.name;
     for (const std::string& word : oddity.said)
       EXPECT_NE(faultMessage(findings[0], "rig").find(word), std::string::npos)
           << oddity.name << ": " << shown(findings);
-    EXPECT_EQ(findings[0].severity, findings[0].camera.empty() ? Severity::kFault : Severity::kSuspicion);
+    EXPECT_EQ(findings[0].severity, findings[0].camera.empty() ? Severity::kFault : Severity::kWarning);
   }
 }
 
 TEST(RigAgreement, whatCannotBeExplainedIsSaid) {
   Scene scene;
-  for (std::size_t i = 0; i < 4; ++i)  // no two cameras' pictures are of the same instant
+  for (std::size_t i = 0; i < 4; ++i)  // no two cameras' images are of the same instant
     scene.instants[0][i] = sphereMasks(
         scene.rig, 0.2 * Vec3(std::cos(1.6 * double(i)), std::sin(1.6 * double(i)), i % 2 ? 0.8 : -0.8),
         0.04)[i];
   scene.instants.pop_back();
   const std::vector<SilhouetteAgreement> agreement = silhouetteAgreement(scene.rig, scene.instants);
-  const auto findings = [&](SilhouetteTrust trust) {
-    return silhouetteFindings(scene.rig, scene.instants, agreement, trust);
+  const auto findings = [&](SilhouetteSource trust) {
+    return silhouetteDiagnostics(scene.rig, scene.instants, agreement, trust);
   };
-  ASSERT_EQ(findings(SilhouetteTrust::kKnown).size(), 1u);
-  EXPECT_EQ(findings(SilhouetteTrust::kKnown)[0].severity, Severity::kFault);
-  EXPECT_NE(findings(SilhouetteTrust::kKnown)[0].what.find("contradict"), std::string::npos);
-  EXPECT_EQ(findings(SilhouetteTrust::kGuessed)[0].severity, Severity::kSuspicion);
+  ASSERT_EQ(findings(SilhouetteSource::kKnown).size(), 1u);
+  EXPECT_EQ(findings(SilhouetteSource::kKnown)[0].severity, Severity::kFault);
+  EXPECT_NE(findings(SilhouetteSource::kKnown)[0].what.find("contradict"), std::string::npos);
+  EXPECT_EQ(findings(SilhouetteSource::kAssumed)[0].severity, Severity::kWarning);
 
   Scene elsewhere;
   elsewhere.rig.workspace.center = Vec3(0, 0, 0.6);
   elsewhere.rig.workspace.edge_m = 0.3;
-  const std::vector<RigFinding> beside = elsewhere.findings();
+  const std::vector<RigDiagnostic> beside = elsewhere.findings();
   ASSERT_EQ(beside.size(), 1u);
   EXPECT_NE(beside[0].what.find("look into the cube"), std::string::npos) << beside[0].what;
 }
@@ -307,30 +307,30 @@ void writeMasks(const TemporaryFolder& folder, const Rig& rig, const MaskSet& ma
   }
 }
 
-TEST(RigTake, findsSilhouettesSizesAndWhatIsMissing) {
+TEST(TakeInspection, findsSilhouettesSizesAndWhatIsMissing) {
   const TemporaryFolder folder;
   const Scene scene;
   writeMasks(folder, scene.rig, scene.instants[0]);
   Rig rig = scene.rig;
   rig.cameras[1].width = rig.cameras[1].height = 0;
-  const RigTake take = lookAtTake(folder.path(), rig);
+  const TakeInspection take = inspectTake(folder.path(), rig);
   EXPECT_EQ(shown(take.findings), "");
   EXPECT_EQ(rig.cameras[1].width, 320);
   ASSERT_EQ(take.instants.size(), 1u);
   EXPECT_EQ(take.instants[0][2].pixels, scene.instants[0][2].pixels);
-  EXPECT_EQ(take.trust, SilhouetteTrust::kKnown);
+  EXPECT_EQ(take.trust, SilhouetteSource::kKnown);
 
   rig.cameras[0].width = 640;
   rig.cameras[3].name = "other";
-  const std::string said = shown(lookAtTake(folder.path(), rig).findings);
+  const std::string said = shown(inspectTake(folder.path(), rig).findings);
   EXPECT_NE(said.find("camera \"cam0\": it recorded 320 x 240 pixels; the rig's 640 x 240"),
             std::string::npos)
       << said;
   EXPECT_NE(said.find("silhouettes/other"), std::string::npos) << said;
-  EXPECT_NE(messageOf([&] { lookAtTake(folder / "none", rig); }).find("no such take"), std::string::npos);
+  EXPECT_NE(messageOf([&] { inspectTake(folder / "none", rig); }).find("no such take"), std::string::npos);
 }
 
-TEST(RigTake, segmentsPicturesBeforeAKnownBackground) {
+TEST(TakeInspection, segmentsImagesBeforeAKnownBackground) {
   const TemporaryFolder folder;
   Rig rig = ringRig(3);
   const MaskSet masks = sphereMasks(rig, Vec3(0.03, 0.02, -0.04), 0.09);
@@ -350,17 +350,17 @@ TEST(RigTake, segmentsPicturesBeforeAKnownBackground) {
     write(folder.path() / rig.cameras[i].name / "000001.png", masks[i]);
     write(folder.path() / "background" / (rig.cameras[i].name + ".png"), empty);
   }
-  const RigTake take = lookAtTake(folder.path(), rig);
+  const TakeInspection take = inspectTake(folder.path(), rig);
   EXPECT_EQ(shown(take.findings), "");
   ASSERT_EQ(take.instants.size(), 1u);  // the empty one tells nothing
   const std::vector<SilhouetteAgreement> agreement = silhouetteAgreement(rig, take.instants);
   for (const SilhouetteAgreement& camera : agreement) EXPECT_GE(camera.explainedShare(), 0.99);
 
   std::filesystem::remove_all(folder.path() / "cam1");
-  const std::string said = shown(lookAtTake(folder.path(), rig).findings);
+  const std::string said = shown(inspectTake(folder.path(), rig).findings);
   EXPECT_NE(said.find("camera \"cam1\": the take has no frames of it"), std::string::npos) << said;
   std::filesystem::create_directories(folder.path() / "cam1");
-  EXPECT_NE(shown(lookAtTake(folder.path(), rig).findings).find("holds no picture"), std::string::npos);
+  EXPECT_NE(shown(inspectTake(folder.path(), rig).findings).find("holds no image"), std::string::npos);
 }
 
 }  // namespace

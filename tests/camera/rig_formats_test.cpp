@@ -228,7 +228,7 @@ TEST(RigFormats, openCvsStereoCalibration) {
   ASSERT_EQ(reading.rig.cameras.size(), 2u);
   EXPECT_EQ(reading.rig.cameras[0].width, 0);  // such a file does not say it
 
-  // A point's pixels are OpenCV's, in both pictures.
+  // A point's pixels are OpenCV's, in both images.
   const cv::Point3d point(0.2, -0.1, 1.3);
   for (const int i : {0, 1}) {
     std::vector<cv::Point2d> pixels;
@@ -267,7 +267,7 @@ TEST(RigFormats, longDistortionsMustEndInZeros) {
   EXPECT_NE(messageOf([&] { cameraFromEntry(entry, "file"); }).find("fisheye"), std::string::npos);
 }
 
-TEST(RigFormats, aMissingSizeComesFromThePictures) {
+TEST(RigFormats, aMissingSizeComesFromTheImages) {
   const TemporaryFolder folder;
   const Rig rig = ringRig(2, 64, 48);
   writeRig(folder / "rig.toml", rig);
@@ -331,7 +331,7 @@ constexpr const char* kForms[] = {"airclay", "anipose", "caliscope", "pose2sim",
 Rig throughForm(const TemporaryFolder& folder, const std::string& form, const Rig& rig) {
   const std::filesystem::path out = folder / (form == "easymocap" ? form : form + ".toml");
   if (form == "easymocap") std::filesystem::create_directories(out);
-  writeRigAs(*rigFormNamed(form), out, rig);
+  writeRigAs(*rigFormatNamed(form), out, rig);
   return readAnyRig(out, RigUnits::kAsWritten).rigWithoutFaults();
 }
 
@@ -351,7 +351,7 @@ TEST(RigFormats, everyFormComesBackAsTheSameRig) {
     SCOPED_TRACE(form);
     expectSame(rig, throughForm(folder, form, rig));
   }
-  EXPECT_FALSE(rigFormNamed("matlab"));
+  EXPECT_FALSE(rigFormatNamed("matlab"));
 }
 
 /// A table as the Python programs take it: what they look up must be there, in the shape that they need.
@@ -410,7 +410,7 @@ TEST(RigFormats, caliscopeFindsNumberedCameras) {
       expectCameraTable(*camera.as_table(), rig.cameras[i]);
     }
     // Without numbers of their own, the videos must be renamed; and 8 coefficients are said.
-    EXPECT_EQ(rigFormNotes(RigForm::kCaliscope, rig).size(), are_numbered ? 1u : 5u);
+    EXPECT_EQ(rigFormatNotes(RigFormat::kCaliscope, rig).size(), are_numbered ? 1u : 5u);
   }
 }
 
@@ -453,9 +453,9 @@ TEST(RigFormats, whatAFormCannotSayIsRefusedOrSaid) {
   rig.cameras[2].lens.distortion = {};
   const std::string message = messageOf([&] { throughForm(folder, "easymocap", rig); });
   EXPECT_NE(message.find("fisheye"), std::string::npos) << message;
-  ASSERT_EQ(rigFormNotes(RigForm::kPose2Sim, rig).size(), 1u);
-  EXPECT_NE(rigFormNotes(RigForm::kPose2Sim, rig)[0].find("cam2"), std::string::npos);
-  EXPECT_TRUE(rigFormNotes(RigForm::kAnipose, rig).empty());
+  ASSERT_EQ(rigFormatNotes(RigFormat::kPose2Sim, rig).size(), 1u);
+  EXPECT_NE(rigFormatNotes(RigFormat::kPose2Sim, rig)[0].find("cam2"), std::string::npos);
+  EXPECT_TRUE(rigFormatNotes(RigFormat::kAnipose, rig).empty());
 }
 
 TEST(RigFormats, easyMocapsFaultsAreAllListed) {

@@ -31,7 +31,7 @@ Lens makeLens(LensModel model, const std::array<double, 8>& distortion, double f
 }
 
 /// Every model and number of coefficients; mild, strong, and with a range that ends inside or near the
-/// picture.
+/// image.
 std::vector<NamedLens> lenses() {
   const LensModel plain = LensModel::kPerspective, fish = LensModel::kFisheye;
   return {{"none", makeLens(plain, {})},
@@ -78,7 +78,7 @@ TEST(Lens, projectsAsOpenCvDoes) {
         const std::optional<Vec2> ours = projectThroughLens(lens, point);
         ASSERT_TRUE(ours) << name;
         const Vec2 theirs = projectByOpenCv(lens, point);
-        // 1e-9 px over the picture; what a wide lens throws far beyond it is compared relative to its
+        // 1e-9 px over the image; what a wide lens throws far beyond it is compared relative to its
         // distance.
         ASSERT_LE((*ours - theirs).norm(), 1e-9 * std::max(1.0, theirs.norm() / 1000))
             << name << " at " << angle;

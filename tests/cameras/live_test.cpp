@@ -204,8 +204,8 @@ TEST(Source, FormsAreTold) {
   EXPECT_EQ(parseSource("2").text, "/dev/video2");
   EXPECT_EQ(kindOf("/dev/video1"), SourceKind::kDevice);
   EXPECT_EQ(kindOf("left.mp4"), SourceKind::kVideo);
-  EXPECT_EQ(kindOf("pictures/img_%04d.png"), SourceKind::kPictures);
-  EXPECT_EQ(kindOf(folder.path().string()), SourceKind::kPictures);
+  EXPECT_EQ(kindOf("images/img_%04d.png"), SourceKind::kImages);
+  EXPECT_EQ(kindOf(folder.path().string()), SourceKind::kImages);
   EXPECT_EQ(kindOf("rtsp://10.0.0.2:8554/left"), SourceKind::kStream);
   EXPECT_EQ(kindOf("gst: videotestsrc"), SourceKind::kPipeline);
   EXPECT_EQ(parseSource("gst: videotestsrc").text, "videotestsrc");
@@ -228,31 +228,31 @@ TEST(Source, FaultsNameCameraAndSource) {
   }
 }
 
-/// A flat picture whose brightness is `grey`.
-LivePicture flat(int grey, PictureSize size = {64, 48}) {
+/// A flat image whose brightness is `grey`.
+LiveImage flat(int grey, ImageSize size = {64, 48}) {
   return {size, std::vector<std::uint8_t>(3 * std::size_t(size.width) * std::size_t(size.height),
                                           std::uint8_t(grey))};
 }
 
-constexpr PictureSize kVideoSize = {256, 32};
+constexpr ImageSize kVideoSize = {256, 32};
 
 /// A video whose frame k, below 60, is white from column 4 k on: coding smears it by less.
 void writeSweep(const fs::path& file, int frames, double rate_hz) {
-  VideoWriter writer(file, {kVideoSize, rate_hz, VideoWriter::Form::kBgr8});
+  VideoWriter writer(file, {kVideoSize, rate_hz, VideoWriter::Format::kBgr8});
   for (int k = 0; k < frames; ++k) {
-    LivePicture picture = flat(0, kVideoSize);
-    for (std::size_t i = 0; i < picture.bgr.size(); ++i)
-      if (int(i) / 3 % kVideoSize.width >= 4 * k) picture.bgr[i] = 255;
-    writer.write(picture.bgr);
+    LiveImage image = flat(0, kVideoSize);
+    for (std::size_t i = 0; i < image.bgr.size(); ++i)
+      if (int(i) / 3 % kVideoSize.width >= 4 * k) image.bgr[i] = 255;
+    writer.write(image.bgr);
   }
   writer.finish();
 }
 
-/// Which frame of that video a picture is.
-int frameOf(const LivePicture& picture) {
+/// Which frame of that video a image is.
+int frameOf(const LiveImage& image) {
   int black = 0;
   for (int x = 0; x < kVideoSize.width; ++x)
-    black += picture.bgr[std::size_t(3 * (16 * kVideoSize.width + x))] < 128;
+    black += image.bgr[std::size_t(3 * (16 * kVideoSize.width + x))] < 128;
   return static_cast<int>(std::lround(black / 4.0));
 }
 
@@ -264,30 +264,30 @@ TEST(Source, FilesRunInRealTime) {
   EXPECT_DOUBLE_EQ(source->rateHz(), 50);
   EXPECT_EQ(source->times(), TimeOrigin::kFile);
   const double start_s = secondsNow();
-  LivePicture picture;
+  LiveImage image;
   double first_s = 0;
   for (int k = 0; k < 25; ++k) {
     double capture_s = 0;
-    ASSERT_TRUE(source->read(picture, capture_s));
+    ASSERT_TRUE(source->read(image, capture_s));
     if (k == 0) first_s = capture_s;
     EXPECT_NEAR(capture_s - first_s, k / 50.0, 1e-9);
     EXPECT_GE(secondsNow(), capture_s - 1e-3) << "not before it is due";
-    EXPECT_EQ(frameOf(picture), k);
+    EXPECT_EQ(frameOf(image), k);
   }
   EXPECT_GE(secondsNow() - start_s, 24 / 50.0 - 1e-3);
   double ignored = 0;
-  EXPECT_FALSE(source->read(picture, ignored));
+  EXPECT_FALSE(source->read(image, ignored));
 }
 
 TEST(Source, LoopsWhenAskedTo) {
   const TemporaryFolder folder;
   writeSweep(folder / "left.mp4", 4, 100);
   const auto source = openSource({"left", parseSource((folder / "left.mp4").string())}, {.loop = true});
-  LivePicture picture;
+  LiveImage image;
   double before_s = 0, capture_s = 0;
   for (int k = 0; k < 11; ++k, before_s = capture_s) {
-    ASSERT_TRUE(source->read(picture, capture_s));
-    EXPECT_EQ(frameOf(picture), k % 4);
+    ASSERT_TRUE(source->read(image, capture_s));
+    EXPECT_EQ(frameOf(image), k % 4);
     EXPECT_TRUE(k == 0 || std::abs(capture_s - before_s - 0.01) < 1e-9) << k;
   }
 }
@@ -327,10 +327,10 @@ class FakeSource : public CameraSource {
     ++alive;
   }
   ~FakeSource() override { --alive; }
-  PictureSize size() const override { return {64, 48}; }
+  ImageSize size() const override { return {64, 48}; }
   double rateHz() const override { return 50; }
   TimeOrigin times() const override { return TimeOrigin::kBuffer; }
-  bool read(LivePicture& picture, double& capture_s) override {
+  bool read(LiveImage& image, double& capture_s) override {
     while (state_.blocked) std::this_thread::sleep_for(std::chrono::milliseconds(5));
     while (state_.silent && !state_.dead && !stopped_)
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
@@ -341,7 +341,7 @@ class FakeSource : public CameraSource {
     if (state_.dead) throw Error("camera was unplugged");
     capture_s = tick / 50;
     if (!state_.same) ++grey_;
-    picture = flat(grey_ & 255);
+    image = flat(grey_ & 255);
     return !stopped_;
   }
   void stop() override { stopped_ = true; }
@@ -387,7 +387,7 @@ TEST(LiveCameras, SetsAreOfOneInstant) {
     EXPECT_LT(set->skew_s, 1e-9);
     EXPECT_GT(set->time_s, before_s);
     before_s = set->time_s;
-    for (const LivePicture& picture : set->pictures) EXPECT_EQ(picture.bgr.size(), 64u * 48 * 3);
+    for (const LiveImage& image : set->images) EXPECT_EQ(image.bgr.size(), 64u * 48 * 3);
   }
   EXPECT_EQ(fakes.stateOf(0), CameraState::kLive);
 }
@@ -400,8 +400,8 @@ TEST(LiveCameras, OneFreezesAndTheRestGoOn) {
   const auto set = fakes.cameras->next(5);
   ASSERT_TRUE(set);
   EXPECT_FALSE(set->complete);
-  EXPECT_TRUE(set->pictures[1].bgr.empty());
-  EXPECT_FALSE(set->pictures[2].bgr.empty());
+  EXPECT_TRUE(set->images[1].bgr.empty());
+  EXPECT_FALSE(set->images[2].bgr.empty());
   EXPECT_EQ(fakes.stateOf(2), CameraState::kLive);
   fakes.states[1].silent = false;
   ASSERT_TRUE(fakes.nextWhere(true)) << "it rejoins";
@@ -415,7 +415,7 @@ TEST(LiveCameras, TheSameBytesForLongAreFrozen) {
   EXPECT_TRUE(fakes.becomes(2, CameraState::kFrozen));
   const auto set = fakes.nextWhere(false);
   ASSERT_TRUE(set);
-  EXPECT_TRUE(set->pictures[2].bgr.empty()) << "what is stale is not used";
+  EXPECT_TRUE(set->images[2].bgr.empty()) << "what is stale is not used";
   fakes.states[2].same = false;
   EXPECT_TRUE(fakes.nextWhere(true));
 }
@@ -446,7 +446,7 @@ TEST(LiveCameras, WithoutTwoThereIsNoSet) {
   fakes.states[0].dead = false;
   const auto set = fakes.cameras->next(10);
   ASSERT_TRUE(set);
-  EXPECT_TRUE(set->pictures[1].bgr.empty());
+  EXPECT_TRUE(set->images[1].bgr.empty());
 }
 
 TEST(LiveCameras, ItEndsWhileAReadBlocks) {
@@ -493,8 +493,8 @@ TEST(LiveCameras, EveryFrameOfFilesComesInStep) {
     const auto set = cameras.next(0.5);
     if (!set) continue;
     ASSERT_TRUE(set->complete);
-    EXPECT_EQ(frameOf(set->pictures[0]), count);
-    EXPECT_EQ(frameOf(set->pictures[1]), count);
+    EXPECT_EQ(frameOf(set->images[0]), count);
+    EXPECT_EQ(frameOf(set->images[1]), count);
     EXPECT_LT(set->skew_s, 1e-9);
     ++count;
   }
@@ -510,9 +510,9 @@ TEST(LiveCameras, TheNewestOfFilesIsGivenToWhoIsSlow) {
   while (!cameras.ended()) {
     const auto set = cameras.next(0.2);
     if (!set) continue;
-    EXPECT_EQ(frameOf(set->pictures[0]), frameOf(set->pictures[1]));
-    EXPECT_GT(frameOf(set->pictures[0]), before);
-    before = frameOf(set->pictures[0]);
+    EXPECT_EQ(frameOf(set->images[0]), frameOf(set->images[1]));
+    EXPECT_GT(frameOf(set->images[0]), before);
+    before = frameOf(set->images[0]);
     EXPECT_LT(secondsNow() - set->time_s, 0.2) << "nothing old has waited";
     ++count;
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
@@ -523,7 +523,7 @@ TEST(LiveCameras, TheNewestOfFilesIsGivenToWhoIsSlow) {
 
 TEST(LiveCameras, AStreamThatIsKilledComesBack) {
   const TemporaryFolder folder;
-  auto server = std::make_unique<MjpegServer>(PictureSize{64, 48}, 30);
+  auto server = std::make_unique<MjpegServer>(ImageSize{64, 48}, 30);
   const int port = server->port();
   FakeState fake;
   std::vector<LiveCamera> all = {
@@ -543,7 +543,7 @@ TEST(LiveCameras, AStreamThatIsKilledComesBack) {
   ASSERT_TRUE(waitUntil([&] { return cameras.status()[1].state == CameraState::kReconnecting; }));
   EXPECT_NE(cameras.status()[1].fault.find("camera \"far\""), std::string::npos);
   EXPECT_EQ(cameras.status()[0].state, CameraState::kLive);
-  server = std::make_unique<MjpegServer>(PictureSize{64, 48}, 30, port);
+  server = std::make_unique<MjpegServer>(ImageSize{64, 48}, 30, port);
   ASSERT_TRUE(comesComplete());
   EXPECT_GE(cameras.status()[1].reconnects, 1);
 }

@@ -33,7 +33,7 @@ struct Clay {
   std::vector<Vec3> data_points;
 };
 
-Clay makeClay(const std::string& preset, int levels = 2,
+Clay prepareClay(const std::string& preset, int levels = 2,
               SubdivisionRule rule = SubdivisionRule::kCatmullClark) {
   Clay clay;
   clay.cage = presetCage(preset);
@@ -60,9 +60,9 @@ std::vector<int> range(int first, int count, int step = 1) {
 }
 
 /// Control points by the definition: p + A⁺ (d_new - d), A the chosen rows.
-std::vector<Vec3> expected(const Clay& clay, const std::vector<Move>& moves, SolveRows rows) {
+std::vector<Vec3> expected(const Clay& clay, const std::vector<Move>& moves, SolveMethod rows) {
   const MatrixXd dense = clay.matrix;
-  const bool all = rows == SolveRows::kAll;
+  const bool all = rows == SolveMethod::kAll;
   MatrixXd chosen = all ? dense : MatrixXd(Eigen::Index(moves.size()), dense.cols());
   MatrixXd wanted = MatrixXd::Zero(chosen.rows(), 3);
   for (size_t i = 0; i < moves.size(); ++i) {
@@ -83,7 +83,7 @@ double largestDifference(const std::vector<Vec3>& a, const std::vector<Vec3>& b)
   return largest;
 }
 
-void expectMoorePenrose(const Clay& clay, const std::vector<Move>& moves, SolveRows rows) {
+void expectMoorePenrose(const Clay& clay, const std::vector<Move>& moves, SolveMethod rows) {
   const std::vector<Vec3> solved = solveControlPoints(clay.matrix, clay.cage.points, moves, rows);
   const std::vector<Vec3> truth = expected(clay, moves, rows);
   const double moved_m = largestDifference(truth, clay.cage.points);
@@ -95,14 +95,14 @@ TEST(Solve, AllRowsIsThePseudoinverse) {
   for (const char* preset : {"tube", "cube", "ball", "slab"})
     for (const SubdivisionRule rule : {SubdivisionRule::kCatmullClark, SubdivisionRule::kPrinted}) {
       SCOPED_TRACE(preset);
-      const Clay clay = makeClay(preset, 2, rule);
-      expectMoorePenrose(clay, randomMoves(clay, range(3, 20, 4)), SolveRows::kAll);
+      const Clay clay = prepareClay(preset, 2, rule);
+      expectMoorePenrose(clay, randomMoves(clay, range(3, 20, 4)), SolveMethod::kAll);
     }
 }
 
 TEST(Solve, AllRowsCutsASingularDirectionInManyBlocksOfRows) {
   // Catmull-Clark's A of a cube lacks one rank: turning every other corner inwards moves no data point.
-  const Clay clay = makeClay("cube", 5);
+  const Clay clay = prepareClay("cube", 5);
   ASSERT_EQ(clay.matrix.rows(), 6146);
   Eigen::VectorXd every_other(8);
   for (int i = 0; i < 8; ++i) {
@@ -110,24 +110,24 @@ TEST(Solve, AllRowsCutsASingularDirectionInManyBlocksOfRows) {
     every_other[i] = point.x() * point.y() * point.z() > 0 ? 1 : -1;
   }
   ASSERT_LT((clay.matrix * every_other).norm(), 1e-12);
-  expectMoorePenrose(clay, randomMoves(clay, range(0, 200, 30)), SolveRows::kAll);
+  expectMoorePenrose(clay, randomMoves(clay, range(0, 200, 30)), SolveMethod::kAll);
 }
 
 TEST(Solve, TouchedRowsIsThePseudoinverse) {
-  const Clay tube = makeClay("tube");
-  expectMoorePenrose(tube, randomMoves(tube, {100}), SolveRows::kTouched);
-  expectMoorePenrose(tube, randomMoves(tube, range(0, 5, 60)), SolveRows::kTouched);
-  expectMoorePenrose(tube, randomMoves(tube, range(0, 364)), SolveRows::kTouched);
-  const Clay cube = makeClay("cube");
-  expectMoorePenrose(cube, randomMoves(cube, range(0, 98)), SolveRows::kTouched);
-  const Clay ball = makeClay("ball");
-  expectMoorePenrose(ball, randomMoves(ball, range(5, 40, 3)), SolveRows::kTouched);
+  const Clay tube = prepareClay("tube");
+  expectMoorePenrose(tube, randomMoves(tube, {100}), SolveMethod::kTouched);
+  expectMoorePenrose(tube, randomMoves(tube, range(0, 5, 60)), SolveMethod::kTouched);
+  expectMoorePenrose(tube, randomMoves(tube, range(0, 364)), SolveMethod::kTouched);
+  const Clay cube = prepareClay("cube");
+  expectMoorePenrose(cube, randomMoves(cube, range(0, 98)), SolveMethod::kTouched);
+  const Clay ball = prepareClay("ball");
+  expectMoorePenrose(ball, randomMoves(ball, range(5, 40, 3)), SolveMethod::kTouched);
 }
 
 TEST(Solve, TouchedRowsOfLowerRankThanTheirNumber) {
   // The face, edge and vertex points around one quad, four levels deep: bicubic, so no more than 16 of these
   // rows of a regular grid are independent.
-  const Clay slab = makeClay("slab", 4);
+  const Clay slab = prepareClay("slab", 4);
   std::vector<int> near;
   const Vec3 top(0, 0, slab.data_points[0].z());
   for (int i = 0; i < int(slab.data_points.size()); ++i) {
@@ -142,18 +142,18 @@ TEST(Solve, TouchedRowsOfLowerRankThanTheirNumber) {
   ASSERT_LT(values[16], 1e-12 * values[0]);
   const std::vector<Move> moves = randomMoves(slab, near);
   const std::vector<Vec3> solved =
-      solveControlPoints(slab.matrix, slab.cage.points, moves, SolveRows::kTouched);
-  const std::vector<Vec3> truth = expected(slab, moves, SolveRows::kTouched);
+      solveControlPoints(slab.matrix, slab.cage.points, moves, SolveMethod::kTouched);
+  const std::vector<Vec3> truth = expected(slab, moves, SolveMethod::kTouched);
   const double moved_m = largestDifference(truth, slab.cage.points);
   // The answer itself is known to the rounding of the data, 1e-16, times the rows' condition.
   EXPECT_LT(largestDifference(solved, truth), 1e-14 * values[0] / values[15] * moved_m);
 }
 
 TEST(Solve, OneMovedPointArrivesAndMovesTheLeast) {
-  const Clay clay = makeClay("tube");
+  const Clay clay = prepareClay("tube");
   const Move move{200, clay.data_points[200] + Vec3(0.01, -0.02, 0.005)};
   const std::vector<Vec3> solved =
-      solveControlPoints(clay.matrix, clay.cage.points, {move}, SolveRows::kTouched);
+      solveControlPoints(clay.matrix, clay.cage.points, {move}, SolveMethod::kTouched);
   EXPECT_LT((dataPoints(clay.matrix, solved)[200] - move.target).norm(), 1e-15);
   // (7) for one row: aᵀ / (a aᵀ).
   const Eigen::VectorXd row = MatrixXd(clay.matrix.row(200)).transpose();
@@ -167,11 +167,11 @@ TEST(Solve, OneMovedPointArrivesAndMovesTheLeast) {
 TEST(Solve, ATranslationOfAllPointsTranslatesTheCage) {
   const Vec3 step(0.03, -0.02, 0.05);
   for (const std::string& preset : presetNames()) {
-    const Clay clay = makeClay(preset);
+    const Clay clay = prepareClay(preset);
     std::vector<Move> moves;
     for (size_t i = 0; i < clay.data_points.size(); ++i)
       moves.push_back({int(i), clay.data_points[i] + step});
-    for (const SolveRows rows : {SolveRows::kAll, SolveRows::kTouched}) {
+    for (const SolveMethod rows : {SolveMethod::kAll, SolveMethod::kTouched}) {
       const std::vector<Vec3> solved = solveControlPoints(clay.matrix, clay.cage.points, moves, rows);
       for (size_t i = 0; i < solved.size(); ++i)
         EXPECT_LT((solved[i] - clay.cage.points[i] - step).norm(), 1e-13) << preset;
@@ -180,19 +180,19 @@ TEST(Solve, ATranslationOfAllPointsTranslatesTheCage) {
 }
 
 TEST(Solve, NothingMovesWhenNothingIsMoved) {
-  const Clay clay = makeClay("vase");
+  const Clay clay = prepareClay("vase");
   std::vector<Move> stay;
   for (int i = 0; i < 30; ++i) stay.push_back({i, clay.data_points[size_t(i)]});
-  for (const SolveRows rows : {SolveRows::kAll, SolveRows::kTouched}) {
+  for (const SolveMethod rows : {SolveMethod::kAll, SolveMethod::kTouched}) {
     EXPECT_EQ(solveControlPoints(clay.matrix, clay.cage.points, {}, rows), clay.cage.points);
     EXPECT_EQ(solveControlPoints(clay.matrix, clay.cage.points, stay, rows), clay.cage.points);
   }
-  EXPECT_EQ(solveControlPoints(clay.matrix, clay.cage.points, stay, SolveRows::kTouched, kTouchedDamping),
+  EXPECT_EQ(solveControlPoints(clay.matrix, clay.cage.points, stay, SolveMethod::kTouched, kTouchedDamping),
             clay.cage.points);
 }
 
 TEST(Solve, DampedIsItsClosedForm) {
-  const Clay clay = makeClay("tube");
+  const Clay clay = prepareClay("tube");
   for (const int count : {1, 10, 28, 100, 364}) {  // fewer rows than control points, and more
     const std::vector<Move> moves = randomMoves(clay, range(0, count));
     MatrixXd rows(count, clay.matrix.cols()), wanted(count, 3);
@@ -205,14 +205,14 @@ TEST(Solve, DampedIsItsClosedForm) {
     const MatrixXd damped = rows * rows.transpose() + lambda * lambda * MatrixXd::Identity(count, count);
     const MatrixXd moved = rows.transpose() * damped.fullPivLu().solve(wanted);
     const std::vector<Vec3> solved =
-        solveControlPoints(clay.matrix, clay.cage.points, moves, SolveRows::kTouched, lambda);
+        solveControlPoints(clay.matrix, clay.cage.points, moves, SolveMethod::kTouched, lambda);
     for (size_t i = 0; i < solved.size(); ++i)
       EXPECT_LT((solved[i] - clay.cage.points[i] - moved.row(Eigen::Index(i)).transpose()).norm(), 1e-13);
   }
 }
 
 TEST(Solve, DampingHoldsNoiseThatTheExactSolveBlowsUp) {
-  const Clay clay = makeClay("tube", 4);
+  const Clay clay = prepareClay("tube", 4);
   std::vector<int> nearest = range(0, int(clay.data_points.size()));
   const auto distance = [&](int i) { return (clay.data_points[size_t(i)] - clay.data_points[500]).norm(); };
   std::sort(nearest.begin(), nearest.end(), [&](int a, int b) { return distance(a) < distance(b); });
@@ -228,7 +228,7 @@ TEST(Solve, DampingHoldsNoiseThatTheExactSolveBlowsUp) {
   }
   const auto thrown = [&](double damping) {
     const std::vector<Vec3> solved =
-        solveControlPoints(clay.matrix, clay.cage.points, moves, SolveRows::kTouched, damping);
+        solveControlPoints(clay.matrix, clay.cage.points, moves, SolveMethod::kTouched, damping);
     double sum = 0;
     for (size_t i = 0; i < solved.size(); ++i) sum += (solved[i] - clay.cage.points[i]).squaredNorm();
     return std::sqrt(sum);
@@ -240,7 +240,7 @@ TEST(Solve, DampingHoldsNoiseThatTheExactSolveBlowsUp) {
 TEST(Solve, AllRowsSolverIsTheGramPseudoinverse) {
   for (const char* preset : {"tube", "cube", "ball", "vase"}) {
     SCOPED_TRACE(preset);
-    const Clay clay = makeClay(preset);
+    const Clay clay = prepareClay(preset);
     const AllRowsSolver solver(clay.matrix);
     const MatrixXd inverse = pseudoinverse(clay.matrix);
     const MatrixXd truth = inverse * inverse.transpose();  // (AᵀA)⁺ = A⁺ A⁺ᵀ
@@ -253,19 +253,19 @@ TEST(Solve, AllRowsSolverIsTheGramPseudoinverse) {
       data_displacements[size_t(move.index)] = move.target - clay.data_points[size_t(move.index)];
     std::vector<Vec3> solved = solver.controlDisplacements(clay.matrix, data_displacements);
     for (size_t i = 0; i < solved.size(); ++i) solved[i] += clay.cage.points[i];
-    EXPECT_LT(largestDifference(solved, expected(clay, moves, SolveRows::kAll)), 1e-12);
+    EXPECT_LT(largestDifference(solved, expected(clay, moves, SolveMethod::kAll)), 1e-12);
   }
 }
 
 TEST(Solve, RefusesWhatItCannotDo) {
-  const Clay clay = makeClay("tube");
-  const auto solve = [&](const std::vector<Move>& moves, SolveRows rows, double damping) {
+  const Clay clay = prepareClay("tube");
+  const auto solve = [&](const std::vector<Move>& moves, SolveMethod rows, double damping) {
     return solveControlPoints(clay.matrix, clay.cage.points, moves, rows, damping);
   };
-  EXPECT_THROW(solve({{364, Vec3::Zero()}}, SolveRows::kTouched, 0), Error);
-  EXPECT_THROW(solve({{-1, Vec3::Zero()}}, SolveRows::kAll, 0), Error);
-  EXPECT_THROW(solve({{5, Vec3::Zero()}, {5, Vec3::Ones()}}, SolveRows::kTouched, 0), Error);
-  EXPECT_THROW(solve({{5, Vec3::Zero()}}, SolveRows::kAll, 0.1), Error);
+  EXPECT_THROW(solve({{364, Vec3::Zero()}}, SolveMethod::kTouched, 0), Error);
+  EXPECT_THROW(solve({{-1, Vec3::Zero()}}, SolveMethod::kAll, 0), Error);
+  EXPECT_THROW(solve({{5, Vec3::Zero()}, {5, Vec3::Ones()}}, SolveMethod::kTouched, 0), Error);
+  EXPECT_THROW(solve({{5, Vec3::Zero()}}, SolveMethod::kAll, 0.1), Error);
   EXPECT_THROW(AllRowsSolver(StencilMatrix(5000, 4097)), Error);
 }
 

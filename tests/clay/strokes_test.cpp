@@ -23,7 +23,7 @@ TEST(Strokes, ATouchBeginsOneAndAGapEndsIt) {
   Watched w;
   EXPECT_EQ(w.see(0), StrokeEvent::kNone);
   EXPECT_EQ(w.see(3), StrokeEvent::kBegan);  // 0.1 s
-  EXPECT_TRUE(w.watch.underWay());
+  EXPECT_TRUE(w.watch.active());
   EXPECT_EQ(w.watch.name(), "Push");
   EXPECT_EQ(w.see(5), StrokeEvent::kNone);                                   // 0.2 s: the last touch
   for (int i = 0; i < 3; ++i) EXPECT_EQ(w.see(0), StrokeEvent::kNone) << i;  // 0.3 to 0.5 s
@@ -31,7 +31,7 @@ TEST(Strokes, ATouchBeginsOneAndAGapEndsIt) {
   for (int i = 0; i < 3; ++i) EXPECT_EQ(w.see(0), StrokeEvent::kNone) << i;  // 0.7 to 0.9 s
   w.frame = 11;
   EXPECT_EQ(w.see(0), StrokeEvent::kEnded);  // 1.1 s: 0.5 s after the touch
-  EXPECT_FALSE(w.watch.underWay());
+  EXPECT_FALSE(w.watch.active());
   EXPECT_EQ(w.watch.name(), "Push");
   EXPECT_EQ(w.see(0), StrokeEvent::kNone);
   EXPECT_EQ(w.see(2), StrokeEvent::kBegan);

@@ -75,7 +75,7 @@ struct VideoTake {
     writeVideo("cam1", frames_of_second, 64, 48);
   }
   void writeVideo(const std::string& name, int frames, int width, int height) {
-    VideoWriter writer(folder / (name + ".mp4"), {{width, height}, 30, VideoWriter::Form::kBgr8});
+    VideoWriter writer(folder / (name + ".mp4"), {{width, height}, 30, VideoWriter::Format::kBgr8});
     const std::vector<std::uint8_t> grey(std::size_t(3) * std::size_t(width) * std::size_t(height), 120);
     for (int i = 0; i < frames; ++i) writer.write(grey);
     writer.finish();

@@ -40,10 +40,10 @@ TEST(BoardApp, MakesWhatTheDetectorFinds) {
   EXPECT_EQ(said["marker_mm"], 40);
   EXPECT_EQ(said["page"], "a4");
   EXPECT_FALSE(said.contains("cell_px"));
-  const PictureSize size = pictureSize(file);
+  const ImageSize size = imageSize(file);
   std::vector<std::uint8_t> grey(std::size_t(size.width) * std::size_t(size.height));
-  readPicture(file, size, PixelForm::kGrey8, grey);
-  const auto view = BoardDetector(Board()).find(size, PixelForm::kGrey8, grey);
+  readImage(file, size, PixelFormat::kGrey8, grey);
+  const auto view = BoardDetector(Board()).find(size, PixelFormat::kGrey8, grey);
   ASSERT_TRUE(view);
   EXPECT_EQ(view->ids.size(), 8u);
 }

@@ -49,7 +49,7 @@ class CalibrateLive : public testing::Test {
     VideoWriter::Options options;
     options.size = {kWidth, kHeight};
     options.rate_hz = 30;
-    options.form = VideoWriter::Form::kBgr8;
+    options.format = VideoWriter::Format::kBgr8;
     return VideoWriter(folder / (name + ".mp4"), options);
   }
   Words words(const Words& command, const Words& more) const {
@@ -135,7 +135,7 @@ TEST_F(CalibrateWindow, ShowsTheCamerasAndMakesTheRigWhenTold) {
   start({"--loop"});
   const Screenshot first = desktop.screenshot();
   ASSERT_TRUE(waitUntil([&] { return differingShare(first, desktop.screenshot(), 0.9) > 0.05; }))
-      << "the cameras' pictures move";
+      << "the cameras' images move";
   desktop.key("w");
   // too few views at first: it says so, and goes on
   ASSERT_TRUE(waitUntil([&] {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// `airclay sculpt` with cameras that run: folders of pictures, played in real time as cameras would.
+// `airclay sculpt` with cameras that run: folders of images, played in real time as cameras would.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -63,7 +63,7 @@ TEST_F(LiveApp, CamerasThatRunAreSculptedWith) {
   EXPECT_EQ(ran.errors, "");
   const std::vector<TimedPose> poses = readPoses(at("out/poses.tum"));
   EXPECT_GT(poses.size(), 5u) << ran.output;  // a slow machine leaves frames out
-  // pictures of 320 x 240: a pixel is 4 mm wide
+  // images of 320 x 240: a pixel is 4 mm wide
   EXPECT_LT(farthestFrom(smallTakeScript(kUnhurried), frames / 30.0, poses), 0.008);
   const PolygonMesh cage = readObj(at("out/cage.obj")), tube = presetCage("tube");
   double moved_m = 0;

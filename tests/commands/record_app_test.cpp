@@ -74,14 +74,14 @@ struct Videos {
 
 /// The frames that a take holds of each camera are those from `first` on.
 void expectFrames(Take& take, const Rig& rig, int first) {
-  std::vector<std::vector<std::uint8_t>> pictures;
+  std::vector<std::vector<std::uint8_t>> images;
   for (const Camera& camera : rig.cameras)
-    pictures.emplace_back(std::size_t(3) * std::size_t(camera.width) * std::size_t(camera.height));
-  const std::vector<std::span<std::uint8_t>> buffers(pictures.begin(), pictures.end());
+    images.emplace_back(std::size_t(3) * std::size_t(camera.width) * std::size_t(camera.height));
+  const std::vector<std::span<std::uint8_t>> buffers(images.begin(), images.end());
   for (int k = 0; k < take.frameCount(); ++k) {
-    ASSERT_TRUE(take.readPictures(k, buffers));
-    for (std::size_t c = 0; c < pictures.size(); ++c)
-      EXPECT_EQ(int(pictures[c][100]), int(Videos::grey(c, first + k))) << "frame " << k << ", camera " << c;
+    ASSERT_TRUE(take.readImages(k, buffers));
+    for (std::size_t c = 0; c < images.size(); ++c)
+      EXPECT_EQ(int(images[c][100]), int(Videos::grey(c, first + k))) << "frame " << k << ", camera " << c;
   }
 }
 
@@ -132,7 +132,7 @@ TEST(RecordApp, CtrlCEndsItWell) {
 
 TEST(RecordApp, ACameraThatIsLostEndsItAndWhatIsThereCanBeRead) {
   const TemporaryFolder folder;
-  auto far = std::make_unique<MjpegServer>(PictureSize{64, 48}, 30);
+  auto far = std::make_unique<MjpegServer>(ImageSize{64, 48}, 30);
   MjpegServer near({64, 48}, 30);
   const auto camera = [](const std::string& name, int port) {
     return name + "=http://127.0.0.1:" + std::to_string(port) + "/";

@@ -109,7 +109,7 @@ TEST_F(RecordingApp, TheRecordingIsATakeLikeAnother) {
   b = a;
   const std::vector<std::span<std::uint8_t>> from(a.begin(), a.end()), to(b.begin(), b.end());
   for (int i = 0; i < frames; ++i) {
-    ASSERT_TRUE(source.readPictures(i, from) && taken.readPictures(i, to));
+    ASSERT_TRUE(source.readImages(i, from) && taken.readImages(i, to));
     EXPECT_EQ(a, b) << i;
     EXPECT_EQ(source.cameraTimesOf(i), taken.cameraTimesOf(i));
   }

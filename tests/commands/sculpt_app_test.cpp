@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The main job as a whole program: from pixels in files to poses, surface, pictures and video, against the
+// The main job as a whole program: from pixels in files to poses, surface, images and video, against the
 // known truth.
 #include <gtest/gtest.h>
 
@@ -48,7 +48,7 @@ PoseErrors errorsOf(const std::vector<TimedPose>& poses, const std::vector<Timed
   return {mm[mm.size() / 2], mm.back(), deg[deg.size() / 2]};
 }
 
-/// The demo's first frames as a recording on disk: pictures without loss, rig and truth.
+/// The demo's first frames as a recording on disk: images without loss, rig and truth.
 struct RecordedDemo {
   TemporaryFolder folder;
   int background_frames = 0, frames = 0;
@@ -59,16 +59,16 @@ struct RecordedDemo {
     frames = background_frames + frames_with_hand;
     writeRig(folder / "rig.toml", synthetic.rig());
     writePoses(folder / "truth.tum", *synthetic.truth());
-    std::vector<std::vector<std::uint8_t>> pictures;
+    std::vector<std::vector<std::uint8_t>> images;
     for (const Camera& camera : synthetic.rig().cameras) {
       std::filesystem::create_directory(folder / camera.name);
-      pictures.emplace_back(std::size_t(3) * std::size_t(camera.width) * std::size_t(camera.height));
+      images.emplace_back(std::size_t(3) * std::size_t(camera.width) * std::size_t(camera.height));
     }
-    const std::vector<std::span<std::uint8_t>> buffers(pictures.begin(), pictures.end());
+    const std::vector<std::span<std::uint8_t>> buffers(images.begin(), images.end());
     for (int frame = 0; frame < frames; ++frame) {
-      synthetic.readPictures(frame, buffers);
-      for (std::size_t i = 0; i < pictures.size(); ++i)
-        writeBgr(synthetic.rig().cameras[i], frame, pictures[i]);
+      synthetic.readImages(frame, buffers);
+      for (std::size_t i = 0; i < images.size(); ++i)
+        writeBgr(synthetic.rig().cameras[i], frame, images[i]);
     }
   }
   void writeBgr(const Camera& camera, int frame, const std::vector<std::uint8_t>& bgr) const {
@@ -136,7 +136,7 @@ void expectInterrupted(const std::vector<std::string>& words, const std::filesys
     EXPECT_EQ(left.find("unfinished"), std::string::npos) << left;
     EXPECT_FALSE(left.ends_with(".mp4")) << left;
     if (left.ends_with(".png")) {
-      EXPECT_GT(pictureSize(entry.path()).width, 0) << left;  // checks its end, too
+      EXPECT_GT(imageSize(entry.path()).width, 0) << left;  // checks its end, too
     }
   }
 }
@@ -197,8 +197,8 @@ TEST(SculptApp, DemoSculptsFromPixels) {
   EXPECT_LT(farthest_m, 1e-6);  // the surface is evaluated in single precision
   EXPECT_GT(moved_m, 0.01);
 
-  for (const char* picture : {"before.png", "touch.png", "workings.png", "after.png"})
-    EXPECT_GT(pictureSize(out / picture).width, 100) << picture;
+  for (const char* image : {"before.png", "touch.png", "workings.png", "after.png"})
+    EXPECT_GT(imageSize(out / image).width, 100) << image;
   const std::unique_ptr<FrameSource> video = openFrames(out, "demo");
   ASSERT_TRUE(video);
   EXPECT_GE(video->frameCount(), static_cast<int>(poses.size()));

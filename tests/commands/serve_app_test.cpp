@@ -20,9 +20,9 @@ namespace {
 using nlohmann::json;
 using Words = std::vector<std::string>;
 
-constexpr PictureSize kSize = {320, 240};
+constexpr ImageSize kSize = {320, 240};
 constexpr int kFrames = 60;
-// Two codings, one after the other, of a smooth picture. Another frame's, or another camera's, has less
+// Two codings, one after the other, of a smooth image. Another frame's, or another camera's, has less
 // than 20.
 constexpr double kLeastPsnrDb = 30;
 
@@ -37,19 +37,19 @@ std::vector<std::uint8_t> frame(int camera, int k) {
   return bgr;
 }
 
-/// Which frame a picture is.
-int frameOf(const LivePicture& picture) {
+/// Which frame a image is.
+int frameOf(const LiveImage& image) {
   int black = 0;
-  for (int x = 0; x < kSize.width; ++x) black += picture.bgr[std::size_t(3 * (8 * kSize.width + x))] < 128;
+  for (int x = 0; x < kSize.width; ++x) black += image.bgr[std::size_t(3 * (8 * kSize.width + x))] < 128;
   return static_cast<int>(std::lround(black / 4.0));
 }
 
-/// How like a picture is to the frame that its bar says it is.
-double psnrDb(const LivePicture& picture, int camera) {
-  const std::vector<std::uint8_t> truth = frame(camera, frameOf(picture));
-  if (picture.size != kSize) return 0;
+/// How like a image is to the frame that its bar says it is.
+double psnrDb(const LiveImage& image, int camera) {
+  const std::vector<std::uint8_t> truth = frame(camera, frameOf(image));
+  if (image.size != kSize) return 0;
   double squares = 0;
-  for (std::size_t i = 0; i < truth.size(); ++i) squares += std::pow(int(picture.bgr[i]) - int(truth[i]), 2);
+  for (std::size_t i = 0; i < truth.size(); ++i) squares += std::pow(int(image.bgr[i]) - int(truth[i]), 2);
   return 10 * std::log10(255 * 255 * double(truth.size()) / std::max(squares, 1.0));
 }
 
@@ -87,7 +87,7 @@ class ServeApp : public testing::Test {
   ServeApp() {
     for (int camera = 0; camera < 2; ++camera) {
       VideoWriter writer(folder / (camera == 0 ? "left.mp4" : "right.mp4"),
-                         {kSize, 30, VideoWriter::Form::kBgr8});
+                         {kSize, 30, VideoWriter::Format::kBgr8});
       for (int k = 0; k < kFrames; ++k) writer.write(frame(camera, k));
       writer.finish();
     }
@@ -106,7 +106,7 @@ std::optional<LiveSet> completeSet(LiveCameras& cameras) {
   return set && set->complete ? set : std::nullopt;
 }
 
-TEST_F(ServeApp, PicturesArriveAsTheyWere) {
+TEST_F(ServeApp, ImagesArriveAsTheyWere) {
   const Server server(both(), 0, {"--loop"});
   LiveCameras cameras({liveCamera(server.source("left")), liveCamera(server.source("right"))});
   for (const CameraStatus& one : cameras.status()) {
@@ -117,10 +117,10 @@ TEST_F(ServeApp, PicturesArriveAsTheyWere) {
   for (int k = 0; k < 10; ++k) {
     const auto set = completeSet(cameras);
     ASSERT_TRUE(set);
-    for (int c = 0; c < 2; ++c) EXPECT_GT(psnrDb(set->pictures[std::size_t(c)], c), kLeastPsnrDb);
-    EXPECT_LT(psnrDb(set->pictures[0], 1), 20) << "no camera is taken for the other";
-    EXPECT_NE(frameOf(set->pictures[0]), before);
-    before = frameOf(set->pictures[0]);
+    for (int c = 0; c < 2; ++c) EXPECT_GT(psnrDb(set->images[std::size_t(c)], c), kLeastPsnrDb);
+    EXPECT_LT(psnrDb(set->images[0], 1), 20) << "no camera is taken for the other";
+    EXPECT_NE(frameOf(set->images[0]), before);
+    before = frameOf(set->images[0]);
   }
 }
 
@@ -144,11 +144,11 @@ TEST_F(ServeApp, SeveralWatchOneCameraAndEachMayComeLate) {
   std::vector<std::unique_ptr<CameraSource>> watchers;
   for (int n = 0; n < 3; ++n) {
     watchers.push_back(openSource(server.source("left")));
-    LivePicture picture;
+    LiveImage image;
     double capture_s = 0;
     for (const auto& watcher : watchers) {
-      ASSERT_TRUE(watcher->read(picture, capture_s));
-      EXPECT_GT(psnrDb(picture, 0), kLeastPsnrDb);
+      ASSERT_TRUE(watcher->read(image, capture_s));
+      EXPECT_GT(psnrDb(image, 0), kLeastPsnrDb);
     }
   }
 }
@@ -156,14 +156,14 @@ TEST_F(ServeApp, SeveralWatchOneCameraAndEachMayComeLate) {
 TEST_F(ServeApp, CaptureTimesAreTheCamerasNotTheNetworks) {
   const Server server({camera("left")}, 0, {"--loop"});
   const auto source = openSource(server.source("left"));
-  LivePicture picture;
+  LiveImage image;
   double first_s = 0;
   int frames = 0, before = 0;
   std::vector<double> off_s;
   for (int k = 0; k < 60; ++k) {
     double capture_s = 0;
-    ASSERT_TRUE(source->read(picture, capture_s));
-    const int now = frameOf(picture);
+    ASSERT_TRUE(source->read(image, capture_s));
+    const int now = frameOf(image);
     if (k == 0) first_s = capture_s;
     if (k > 0) frames += (now - before + kFrames) % kFrames;
     before = now;
@@ -178,7 +178,7 @@ TEST_F(ServeApp, CaptureTimesAreTheCamerasNotTheNetworks) {
 constexpr std::uint8_t kQuarters[4][3] = {{200, 40, 40}, {40, 200, 40}, {40, 40, 200}, {40, 200, 200}};
 
 TEST_F(ServeApp, ColoursAreRightInAnySize) {
-  for (const PictureSize size : {PictureSize{161, 121}, PictureSize{1280, 720}}) {
+  for (const ImageSize size : {ImageSize{161, 121}, ImageSize{1280, 720}}) {
     const std::string name = "w" + std::to_string(size.width);
     std::filesystem::create_directory(folder / name);
     for (int k = 0; k < 2; ++k) {
@@ -195,13 +195,13 @@ TEST_F(ServeApp, ColoursAreRightInAnySize) {
     const auto source = openSource(server.source(name));
     ASSERT_EQ(source->size(), size);
     EXPECT_NEAR(source->rateHz(), 10, 0.01);
-    LivePicture picture;
+    LiveImage image;
     double capture_s = 0;
-    ASSERT_TRUE(source->read(picture, capture_s));
+    ASSERT_TRUE(source->read(image, capture_s));
     for (int q = 0; q < 4; ++q) {
       const int x = size.width * (1 + 2 * (q & 1)) / 4, y = size.height * (1 + 2 * (q >> 1)) / 4;
       for (int channel = 0; channel < 3; ++channel)
-        EXPECT_NEAR(picture.bgr[std::size_t(3 * (y * size.width + x) + channel)], kQuarters[q][channel], 5)
+        EXPECT_NEAR(image.bgr[std::size_t(3 * (y * size.width + x) + channel)], kQuarters[q][channel], 5)
             << size.width << ", quarter " << q << ", channel " << channel;
     }
   }
@@ -224,19 +224,19 @@ TEST_F(ServeApp, AServerThatIsKilledIsNamedAndRejoins) {
   dies = std::make_unique<Server>(Words{camera("left")}, port, Words{"--loop"});
   const auto set = completeSet(cameras);
   ASSERT_TRUE(set) << "it rejoins";
-  EXPECT_GT(psnrDb(set->pictures[0], 0), kLeastPsnrDb);
+  EXPECT_GT(psnrDb(set->images[0], 0), kLeastPsnrDb);
   EXPECT_GE(cameras.status()[0].reconnects, 1);
 }
 
 TEST_F(ServeApp, AServerThatFallsSilentIsLostNotWaitedForWithoutEnd) {
   Server server({camera("left")}, 0, {"--loop"});
   const auto source = openSource(server.source("left"));
-  LivePicture picture;
+  LiveImage image;
   double capture_s = 0;
-  ASSERT_TRUE(source->read(picture, capture_s));
+  ASSERT_TRUE(source->read(image, capture_s));
   server.program().send(SIGSTOP);
   const std::string message = messageOf([&] {
-    while (source->read(picture, capture_s)) {
+    while (source->read(image, capture_s)) {
     }
   });
   EXPECT_NE(message.find("camera \"left\" (rtsp://"), std::string::npos) << message;
@@ -246,35 +246,35 @@ TEST_F(ServeApp, AServerThatFallsSilentIsLostNotWaitedForWithoutEnd) {
 }
 
 TEST_F(ServeApp, ACameraThatIsLostIsNamedWhileTheOthersGoOn) {
-  auto far = std::make_unique<MjpegServer>(PictureSize{64, 48}, 30);
+  auto far = std::make_unique<MjpegServer>(ImageSize{64, 48}, 30);
   const int port = far->port();
   const Server server({camera("left"), "far=http://127.0.0.1:" + std::to_string(port) + "/"}, 0, {"--loop"});
   const auto left = openSource(server.source("left"));
-  EXPECT_EQ(openSource(server.source("far"))->size(), (PictureSize{64, 48}));
+  EXPECT_EQ(openSource(server.source("far"))->size(), (ImageSize{64, 48}));
   far.reset();
   ASSERT_TRUE(waitUntil([&] { return server.errors().find("opened again") != std::string::npos; }));
   EXPECT_NE(server.errors().find("camera \"far\" (http://"), std::string::npos) << server.errors();
   const std::string message = messageOf([&] { openSource(server.source("far")); });
   EXPECT_NE(message.find("Service Unavailable"), std::string::npos) << message;
-  LivePicture picture;
+  LiveImage image;
   double capture_s = 0;
-  for (int k = 0; k < 10; ++k) ASSERT_TRUE(left->read(picture, capture_s));
-  EXPECT_GT(psnrDb(picture, 0), kLeastPsnrDb);
-  far = std::make_unique<MjpegServer>(PictureSize{64, 48}, 30, port);
+  for (int k = 0; k < 10; ++k) ASSERT_TRUE(left->read(image, capture_s));
+  EXPECT_GT(psnrDb(image, 0), kLeastPsnrDb);
+  far = std::make_unique<MjpegServer>(ImageSize{64, 48}, 30, port);
   ASSERT_TRUE(waitUntil([&] { return server.errors().find("\"far\" is back") != std::string::npos; }));
-  EXPECT_EQ(openSource(server.source("far"))->size(), (PictureSize{64, 48}));
+  EXPECT_EQ(openSource(server.source("far"))->size(), (ImageSize{64, 48}));
 }
 
 TEST_F(ServeApp, CtrlCEndsItWellWhileSomebodyWatches) {
   Server server(both(), 0, {"--loop"});
   const auto source = openSource(server.source("left"));
-  LivePicture picture;
+  LiveImage image;
   double capture_s = 0;
-  ASSERT_TRUE(source->read(picture, capture_s));
+  ASSERT_TRUE(source->read(image, capture_s));
   server.program().send(SIGINT);
   EXPECT_EQ(server.program().waitForExit(), 0);
   EXPECT_EQ(server.errors(), "");
-  EXPECT_NE(server.output().find("pictures streamed: left "), std::string::npos) << server.output();
+  EXPECT_NE(server.output().find("images streamed: left "), std::string::npos) << server.output();
   EXPECT_EQ(server.output().find("streamed: left 0"), std::string::npos) << server.output();
   EXPECT_NE(server.output().find("right 0"), std::string::npos) << "nobody watched: nothing was coded";
 }
@@ -326,24 +326,24 @@ TEST_F(ServeApp, OnANetworkItSaysWhoCanWatch) {
 
 // ---------------------------------------------------------------------------------------------- pipelines
 
-TEST(Pipeline, PicturesAndFaultsAreTold) {
+TEST(Pipeline, ImagesAndFaultsAreTold) {
   const auto open = [](const std::string& words) { return openSource({"left", parseSource(words)}); };
   const std::string red =
       "videotestsrc is-live=true pattern=red ! video/x-raw,width=65,height=49,framerate=20/1";
   for (const std::string& words : {red, red + " ! videoconvert ! video/x-raw,format=BGR ! appsink"}) {
     const auto source = open("gst: " + words);
-    EXPECT_EQ(source->size(), (PictureSize{65, 49}));
+    EXPECT_EQ(source->size(), (ImageSize{65, 49}));
     EXPECT_NEAR(source->rateHz(), 20, 1e-9);
-    LivePicture picture;
+    LiveImage image;
     double before_s = 0, capture_s = 0;
     for (int k = 0; k < 5; ++k, before_s = capture_s) {
-      ASSERT_TRUE(source->read(picture, capture_s));
+      ASSERT_TRUE(source->read(image, capture_s));
       EXPECT_GT(capture_s, before_s);
     }
-    const std::size_t last = picture.bgr.size() - 3;
-    ASSERT_EQ(picture.bgr.size(), 65u * 49 * 3);
-    EXPECT_NEAR(picture.bgr[last], 0, 3);
-    EXPECT_NEAR(picture.bgr[last + 2], 255, 3);
+    const std::size_t last = image.bgr.size() - 3;
+    ASSERT_EQ(image.bgr.size(), 65u * 49 * 3);
+    EXPECT_NEAR(image.bgr[last], 0, 3);
+    EXPECT_NEAR(image.bgr[last + 2], 255, 3);
   }
   const auto refused = [&](const std::string& words, const std::string& expected) {
     const std::string message = messageOf([&] { open(words); });
@@ -355,7 +355,7 @@ TEST(Pipeline, PicturesAndFaultsAreTold) {
   refused("gst: videotestsrc ! nothing", "cannot be run");
   refused("gst: videotestsrc ! fakesink name=appsink", "has no appsink");
   refused("gst: videotestsrc ! appsink", "not BGR");
-  refused("gst: appsrc", "gives no picture");  // OpenCV would wait for ever
+  refused("gst: appsrc", "gives no image");  // OpenCV would wait for ever
 }
 
 }  // namespace

@@ -280,11 +280,11 @@ TEST(Recorder, WhatAnErrorInterruptedIsRecordedAnew) {
 
 // --- a frame, and what happens when a declaration is missing ---
 
-/// The commands of a tracked frame, from pictures to the pose.
+/// The commands of a tracked frame, from images to the pose.
 std::vector<RecordedCommand> frameCommands() {
   Gpu& gpu = testGpu();
   const GpuRig rig(gpu, ringRig(3, 64, 48));
-  const Buffer<std::uint32_t> pictures(gpu, rig.pictureWords());
+  const Buffer<std::uint32_t> images(gpu, rig.imageWords());
   Silhouettes silhouettes(gpu, rig);
   Carver carver(gpu, rig, 32);
   DistanceField field(gpu);
@@ -295,12 +295,12 @@ std::vector<RecordedCommand> frameCommands() {
   const Buffer<GpuFit> fits(gpu, 1), result(gpu, 1);
   Recorder recorder(gpu);
   recorder.begin();
-  silhouettes.recordLearning(recorder, pictures);
+  silhouettes.recordLearning(recorder, images);
   silhouettes.finishLearning(recorder);
   recorder.submitAndWait();
 
   recorder.begin();
-  silhouettes.record(recorder, pictures);
+  silhouettes.record(recorder, images);
   carver.record(recorder, silhouettes.masks());
   const FieldGrid grid = placeField(carver, Vec3::Zero(), Vec3::Constant(0.2));
   field.record(recorder, carver, grid);

@@ -21,13 +21,13 @@ struct Pixel {
   bool operator==(const Pixel&) const = default;
 };
 
-/// Draws triangles given by corners into a canvas and reads the picture back.
+/// Draws triangles given by corners into a canvas and reads the image back.
 class Drawing {
  public:
   explicit Drawing(const GraphicsOptions& options = {})
       : pipeline_(testGpu(), "triangles", {triangles_vert, triangles_frag}, options),
         canvas_(testGpu(), kWidth, kHeight),
-        picture_(testGpu(), kWidth * kHeight, Memory::kHost) {}
+        image_(testGpu(), kWidth * kHeight, Memory::kHost) {}
 
   void add(const std::vector<vec3>& corners, const vec4& color) {
     corners_.emplace_back(testGpu(), corners);
@@ -43,25 +43,25 @@ class Drawing {
       draws.push_back(airclay::draw(pipeline_, TrianglesArgs{corners_[i], colors_[i]},
                                     static_cast<std::uint32_t>(corners_[i].count())));
     render(recorder, canvas_.pass(background), draws);
-    copyToBuffer(recorder, canvas_.resolved, picture_.raw());
+    copyToBuffer(recorder, canvas_.resolved, image_.raw());
     recorder.submitAndWait();
     EXPECT_TRUE(hazards(recorder.commands()).empty());
   }
 
   Pixel at(std::uint32_t x, std::uint32_t y) const {
-    const std::uint32_t p = picture_.host()[y * kWidth + x];
+    const std::uint32_t p = image_.host()[y * kWidth + x];
     return {int(p & 255), int(p >> 8 & 255), int(p >> 16 & 255), int(p >> 24)};
   }
 
  private:
   GraphicsPipeline<TrianglesArgs> pipeline_;
   Canvas canvas_;
-  Buffer<std::uint32_t> picture_;
+  Buffer<std::uint32_t> image_;
   std::vector<Buffer<vec3>> corners_;
   std::vector<vec4> colors_;
 };
 
-/// Covers the picture from x = -1 to `right` (clip space), anticlockwise in the picture.
+/// Covers the image from x = -1 to `right` (clip space), anticlockwise in the image.
 std::vector<vec3> leftPart(float right, float depth) {
   return {{-1, -1, depth}, {-1, 1, depth},    {right, 1, depth},
           {-1, -1, depth}, {right, 1, depth}, {right, -1, depth}};
@@ -69,7 +69,7 @@ std::vector<vec3> leftPart(float right, float depth) {
 
 TEST(Graphics, ATriangleCoversThePixelsInsideIt) {
   Drawing drawing;
-  // corners at pixels (0, 0), (0, 48) and (64, 48): covers what lies below the picture's diagonal
+  // corners at pixels (0, 0), (0, 48) and (64, 48): covers what lies below the image's diagonal
   drawing.add({{-1, -1, 0.5f}, {-1, 1, 0.5f}, {1, 1, 0.5f}}, kGreen);
   drawing.draw();
   for (std::uint32_t y = 0; y < kHeight; ++y)
@@ -166,16 +166,16 @@ TEST(Graphics, ADepthOnlyDrawHidesWithoutColour) {
       paints(gpu, "paints", {triangles_vert, triangles_frag});
   Canvas canvas(gpu, kWidth, kHeight);
   const Buffer<vec3> near(gpu, leftPart(0, 0.2f)), far(gpu, leftPart(1, 0.8f));
-  Buffer<std::uint32_t> picture(gpu, kWidth * kHeight, Memory::kHost);
+  Buffer<std::uint32_t> image(gpu, kWidth * kHeight, Memory::kHost);
   Recorder recorder(gpu);
   recorder.begin();
   recorder.stage("draw");
   render(recorder, canvas.pass(kBlack),
          {draw(hides, TrianglesArgs{near, kRed}, 6), draw(paints, TrianglesArgs{far, kGreen}, 6)});
-  copyToBuffer(recorder, canvas.resolved, picture.raw());
+  copyToBuffer(recorder, canvas.resolved, image.raw());
   recorder.submitAndWait();
-  EXPECT_EQ(picture.host()[10 * kWidth + 5], 0xFF000000u);
-  EXPECT_EQ(picture.host()[10 * kWidth + 60], 0xFF00FF00u);
+  EXPECT_EQ(image.host()[10 * kWidth + 5], 0xFF000000u);
+  EXPECT_EQ(image.host()[10 * kWidth + 60], 0xFF00FF00u);
 }
 
 TEST(Graphics, CountsMayComeFromTheDevice) {
@@ -183,7 +183,7 @@ TEST(Graphics, CountsMayComeFromTheDevice) {
   const GraphicsPipeline<TrianglesArgs> pipeline(gpu, "triangles", {triangles_vert, triangles_frag});
   Canvas canvas(gpu, kWidth, kHeight);
   const Buffer<vec3> corners(gpu, leftPart(1, 0.5f));  // two triangles, of which one is asked for
-  Buffer<std::uint32_t> counts(gpu, 4), picture(gpu, kWidth * kHeight, Memory::kHost);
+  Buffer<std::uint32_t> counts(gpu, 4), image(gpu, kWidth * kHeight, Memory::kHost);
   Recorder recorder(gpu);
   recorder.begin();
   recorder.stage("draw");
@@ -191,11 +191,11 @@ TEST(Graphics, CountsMayComeFromTheDevice) {
   recorder.update(counts.raw(), one_triangle, sizeof one_triangle);
   render(recorder, canvas.pass(kBlack),
          {drawCounted(pipeline, TrianglesArgs{corners, kGreen}, counts.raw())});
-  copyToBuffer(recorder, canvas.resolved, picture.raw());
+  copyToBuffer(recorder, canvas.resolved, image.raw());
   recorder.submitAndWait();
   EXPECT_TRUE(recorder.commands()[1].barrier_before);
-  EXPECT_EQ(picture.host()[40 * kWidth + 5], 0xFF00FF00u);  // below the diagonal
-  EXPECT_EQ(picture.host()[5 * kWidth + 60], 0xFF000000u);
+  EXPECT_EQ(image.host()[40 * kWidth + 5], 0xFF00FF00u);  // below the diagonal
+  EXPECT_EQ(image.host()[5 * kWidth + 60], 0xFF000000u);
 }
 
 TEST(Graphics, IndicesNameTheCorners) {
@@ -204,17 +204,17 @@ TEST(Graphics, IndicesNameTheCorners) {
   Canvas canvas(gpu, kWidth, kHeight);
   const Buffer<vec3> corners(gpu,
                              std::vector<vec3>{{-1, -1, 0.5f}, {1, -1, 0.5f}, {-1, 1, 0.5f}, {1, 1, 0.5f}});
-  Buffer<std::uint32_t> indices(gpu, std::size_t(6)), picture(gpu, kWidth * kHeight, Memory::kHost);
+  Buffer<std::uint32_t> indices(gpu, std::size_t(6)), image(gpu, kWidth * kHeight, Memory::kHost);
   Recorder recorder(gpu);
   recorder.begin();
   recorder.stage("draw");
   const std::uint32_t square[6] = {0, 2, 3, 0, 3, 1};
   recorder.update(indices.raw(), square, sizeof square);
   render(recorder, canvas.pass(kBlack), {drawIndexed(pipeline, TrianglesArgs{corners, kGreen}, indices)});
-  copyToBuffer(recorder, canvas.resolved, picture.raw());
+  copyToBuffer(recorder, canvas.resolved, image.raw());
   recorder.submitAndWait();
   EXPECT_TRUE(recorder.commands()[1].barrier_before);
-  EXPECT_EQ(std::count(picture.host().begin(), picture.host().end(), 0xFF00FF00u), kWidth * kHeight);
+  EXPECT_EQ(std::count(image.host().begin(), image.host().end(), 0xFF00FF00u), kWidth * kHeight);
 }
 
 TEST(Graphics, ADrawWaitsForTheKernelThatFillsItsBuffer) {

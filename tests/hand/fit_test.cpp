@@ -89,7 +89,7 @@ struct HandScene : Scene {
 
   HandScene(HandCameras& cameras, const FitModel& model, const Pose& world_from_hand)
       : Scene(cameras.rig().rig(), cameras.masks(world_from_hand), 128,
-              world_from_hand * model.gravity_center, model.radius_m + 0.015),
+              world_from_hand * model.center_of_mass, model.radius_m + 0.015),
         truth(world_from_hand) {}
 };
 
@@ -156,7 +156,7 @@ TEST(Fit, TheFinalPoseEqualsTheReferences) {
       const GpuFit expected = fitReference(model, scene.distances, scene.grid, starts[i], {});
       const PoseError error =
           poseError(worldFromHand(found[i], model, scene.rig.rig().workspace),
-                    worldFromHand(expected, model, scene.rig.rig().workspace), model.gravity_center);
+                    worldFromHand(expected, model, scene.rig.rig().workspace), model.center_of_mass);
       EXPECT_LE(error.shift_m, 1e-4);
       EXPECT_LE(error.turn_degrees, 0.05);
       EXPECT_EQ(found[i].outcome, expected.outcome);
@@ -324,7 +324,7 @@ TEST(Fit, TheThreeOutcomesAreReportedApart) {
 
 // --- the hand ---
 
-TEST(Fit, AForearmInThePictureDoesNotPullTheHandAlongIt) {
+TEST(Fit, AForearmInTheImageDoesNotPullTheHandAlongIt) {
   const FitModel model = fitModel(builtInHand(false));
   Fitter fitter(testGpu(), model);
   HandCameras cameras;
@@ -337,7 +337,7 @@ TEST(Fit, AForearmInThePictureDoesNotPullTheHandAlongIt) {
       start.translation() += shift_m * along_arm;
       const Pose found =
           worldFromHand(scene.fit(fitter, {fitFromPose(start, model, workspace)})[0], model, workspace);
-      const Vec3 shift = found * model.gravity_center - scene.truth * model.gravity_center;
+      const Vec3 shift = found * model.center_of_mass - scene.truth * model.center_of_mass;
       EXPECT_LT(std::abs(shift.dot(along_arm)), 0.0025)
           << "at " << time_s << " s, started " << shift_m << " off";
     }
@@ -364,7 +364,7 @@ TEST(Fit, PatchesWithoutAreaDoNoHarm) {
     EXPECT_NEAR(patch.normal.norm(), 1, 1e-6);
     EXPECT_EQ(patch.cut, 0u);
   }
-  EXPECT_LT((model.gravity_center - expected.gravity_center).norm(), 1e-12);
+  EXPECT_LT((model.center_of_mass - expected.center_of_mass).norm(), 1e-12);
 }
 
 TEST(Fit, TheModelOfTheHandIsClosedAndStandsBeforeItsForearm) {
@@ -402,7 +402,7 @@ TEST(Fit, PosesThereAndBackAreTheSame) {
   pose.linear() = rotationFromVector(Vec3(0.4, -2, 1));
   pose.translation() = Vec3(0.9, -2.1, 0.55);
   const GpuFit fit = fitFromPose(pose, model, workspace);
-  EXPECT_LT((fit.position.cast<double>() - (pose * model.gravity_center - workspace.center)).norm(), 1e-7);
+  EXPECT_LT((fit.position.cast<double>() - (pose * model.center_of_mass - workspace.center)).norm(), 1e-7);
   EXPECT_LT((worldFromHand(fit, model, workspace).matrix() - pose.matrix()).norm(), 1e-6);
 }
 

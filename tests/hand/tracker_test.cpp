@@ -33,8 +33,8 @@ struct Tracking {
         tracker(testGpu(), rig, hand, carver),
         recorder(testGpu()) {}
 
-  void carve(const std::vector<Mask>& pictures) {
-    rig.pack(pictures, masks.host());
+  void carve(const std::vector<Mask>& images) {
+    rig.pack(images, masks.host());
     recorder.begin();
     carver.record(recorder, masks);
     recorder.submitAndWait();
@@ -47,8 +47,8 @@ struct Tracking {
     return tracker.finish();
   }
   /// As the pipeline does it on a frame without a last pose.
-  HandFit search(const std::vector<Mask>& pictures) {
-    carve(pictures);
+  HandFit search(const std::vector<Mask>& images) {
+    carve(images);
     return tracker.search(recorder, stage_ms) ? follow() : HandFit{};
   }
 };
@@ -80,7 +80,7 @@ TEST(Tracker, RotationsOfTheSearchCoverAllOrientations) {
   for (const Eigen::Quaterniond& rotation : rotations) EXPECT_NEAR(rotation.norm(), 1, 1e-12);
 }
 
-// Pictures stay as they are; rig and truth turn together. So orientation, the cube's corners and the voxels'
+// Images stay as they are; rig and truth turn together. So orientation, the cube's corners and the voxels'
 // raster are new every time.
 TEST(Tracker, FindsTheHandInAnyOrientation) {
   const HandModel hand = builtInHand(false);
@@ -98,7 +98,7 @@ TEST(Tracker, FindsTheHandInAnyOrientation) {
       Tracking tracking(turned(cameras.rig().rig(), turn), hand);
       const HandFit fit = tracking.search(masks);
       const PoseError error =
-          poseError(fit.world_from_hand, Pose(turn) * truth, tracking.tracker.model().gravity_center);
+          poseError(fit.world_from_hand, Pose(turn) * truth, tracking.tracker.model().center_of_mass);
       found += fit.tracked && error.shift_m < 0.010 && error.turn_degrees < 5;
     }
   }
@@ -111,7 +111,7 @@ TEST(Tracker, FollowsTheHandFromItsLastPose) {
   HandCameras cameras;
   const HandScript script = demoScript();
   Tracking tracking(cameras.rig().rig(), builtInHand(false));
-  const Vec3& gravity_center = tracking.tracker.model().gravity_center;
+  const Vec3& center_of_mass = tracking.tracker.model().center_of_mass;
   // the turn from the side to above: the fastest of the script
   constexpr int first = 88, last = 112;
   for (int frame = first; frame <= last; ++frame) {
@@ -127,7 +127,7 @@ TEST(Tracker, FollowsTheHandFromItsLastPose) {
       fit = tracking.follow();
     }
     ASSERT_TRUE(fit.tracked);
-    const PoseError error = poseError(fit.world_from_hand, truth, gravity_center);
+    const PoseError error = poseError(fit.world_from_hand, truth, center_of_mass);
     EXPECT_LT(error.shift_m, 0.004);
     EXPECT_LT(error.turn_degrees, 3);
     EXPECT_LT(fit.outside_m, 0.001);
@@ -141,7 +141,7 @@ TEST(Tracker, TheLeftHandIsFoundByItsOwnModel) {
   const Pose truth = *demoScript().at(3.4);
   const HandFit fit = tracking.search(cameras.masks(truth));
   ASSERT_TRUE(fit.tracked);
-  const PoseError error = poseError(fit.world_from_hand, truth, tracking.tracker.model().gravity_center);
+  const PoseError error = poseError(fit.world_from_hand, truth, tracking.tracker.model().center_of_mass);
   EXPECT_LT(error.shift_m, 0.004);
   EXPECT_LT(error.turn_degrees, 3);
 }

@@ -9,7 +9,7 @@ namespace airclay {
 namespace {
 
 VoxelGrid carve(const Rig& rig, const std::vector<Mask>& masks, int voxels, HullFigures* counted = nullptr,
-                std::uint32_t absent = 0) {
+                std::uint32_t missing_cameras = 0) {
   Gpu& gpu = testGpu();
   const GpuRig gpu_rig(gpu, rig);
   Buffer<std::uint32_t> packed(gpu, gpu_rig.maskWords(), Memory::kHost);
@@ -20,7 +20,7 @@ VoxelGrid carve(const Rig& rig, const std::vector<Mask>& masks, int voxels, Hull
   for (int frame = 0; frame < 2; ++frame) {
     recorder.begin();
     recorder.stage("carve");
-    carver.record(recorder, packed, absent);
+    carver.record(recorder, packed, missing_cameras);
     recorder.submitAndWait();
   }
   EXPECT_TRUE(hazards(recorder.commands()).empty());

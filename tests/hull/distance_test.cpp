@@ -50,7 +50,7 @@ std::vector<Mask> fullMasks(const Rig& rig) {
   return masks;
 }
 
-/// Pictures with random holes: a model of cones that cross, with every kind of corner.
+/// Images with random holes: a model of cones that cross, with every kind of corner.
 std::vector<Mask> masksWithHoles(const Rig& rig, unsigned seed) {
   std::mt19937 random(seed);
   const auto below = [&](int limit) { return int(random() % unsigned(limit)); };

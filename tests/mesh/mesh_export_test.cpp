@@ -18,6 +18,7 @@
 #include <random>
 
 #include "engine/clay/presets.h"
+#include "engine/clay/subdivide.h"
 #include "engine/core/error.h"
 #include "engine/core/file_io.h"
 #include "tests/support/temporary_folder.h"

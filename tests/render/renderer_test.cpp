@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Pictures against what geometry says must be in them: areas, places, counts, order, light and shade.
+// Images against what geometry says must be in them: areas, places, counts, order, light and shade.
 #include "engine/render/renderer.h"
 
 #include <cmath>
@@ -42,7 +42,7 @@ class Painting {
   }
   const std::vector<std::uint32_t>& pixels() const { return pixels_; }
   const Renderer& renderer() const { return renderer_; }
-  /// Commands of the last picture.
+  /// Commands of the last image.
   std::size_t commands() const { return recorder_.commands().size(); }
 
  private:
@@ -270,7 +270,7 @@ struct Everything {
   }
 };
 
-TEST(Renderer, TheSameSceneGivesTheSamePictureAndAnotherPoseAnother) {
+TEST(Renderer, TheSameSceneGivesTheSameImageAndAnotherPoseAnother) {
   const Everything everything;
   Pose pose = Pose::Identity();
   pose.translation() = Vec3(0.05, -0.1, 0.1);
@@ -375,7 +375,7 @@ TEST(Renderer, ACoarserDisplaySurfaceIsASubdivisionOfFewerSteps) {
 }
 
 TEST(Renderer, TheBackdropIsTheSameDrawnOrCopied) {
-  // with samples it is drawn in each picture, without them once and then copied
+  // with samples it is drawn in each image, without them once and then copied
   Painting drawn({.width = kWidth, .height = kHeight, .multisample = true}), copied;
   for (const int grey : {236, 236, 120}) {
     Scene scene;
@@ -386,7 +386,7 @@ TEST(Renderer, TheBackdropIsTheSameDrawnOrCopied) {
   }
 }
 
-TEST(Renderer, APictureInPiecesIsTheSamePicture) {
+TEST(Renderer, AImageInPiecesIsTheSameImage) {
   const DrawnMesh ball(testGpu(), sphere(Vec3(0.02, 0, 0), 0.1)), floor(testGpu(), plate(0.2, -0.12));
   const DrawnMesh skin = DrawnMesh::withDistances(testGpu(), sphere(Vec3(0, -0.1, 0.05), 0.04));
   Scene scene;
@@ -407,21 +407,21 @@ TEST(Renderer, APictureInPiecesIsTheSamePicture) {
 
 TEST(Renderer, GroundIsSeenWhereAShadowLiesOnIt) {
   const DrawnMesh ball(testGpu(), sphere(Vec3(0, 0, 0.05), 0.05));
-  const auto picture = [&](bool has_ground, bool has_ball) {
+  const auto image = [&](bool has_ground, bool has_ball) {
     Scene scene;
     if (has_ground) scene.ground_z_m = -0.1;
     if (has_ball) scene.meshes.push_back(solid(ball));
     Painting painting;
     return painting.paint(scene, lookAt(Vec3(0, -0.9, 0.5), Vec3::Zero())).pixels();
   };
-  EXPECT_EQ(differing(picture(true, false), picture(false, false)), 0);  // all light: the backdrop itself
+  EXPECT_EQ(differing(image(true, false), image(false, false)), 0);  // all light: the backdrop itself
   // the key light's shadow of the ball: a disc of 5 cm at 0.9 m or more covers some hundred pixels at least
-  const int shaded = differing(picture(true, true), picture(false, true));
+  const int shaded = differing(image(true, true), image(false, true));
   EXPECT_GT(shaded, 300);
   EXPECT_LT(shaded, kWidth * kHeight / 2);
 }
 
-TEST(Renderer, PicturesOfAnImpossibleSizeAreRefused) {
+TEST(Renderer, ImagesOfAnImpossibleSizeAreRefused) {
   EXPECT_THROW(Renderer(testGpu(), {.width = 0, .height = 10}), Error);
   EXPECT_THROW(Renderer(testGpu(), {.width = 10, .height = 5000}), Error);
   EXPECT_NO_THROW(Renderer(testGpu(), {.width = 1, .height = 1}));

@@ -15,7 +15,7 @@ namespace airclay {
 namespace {
 
 constexpr double kBallRadius_m = 0.03;
-constexpr SolveRows kBothSolves[] = {SolveRows::kAll, SolveRows::kTouched};
+constexpr SolveMethod kBothSolves[] = {SolveMethod::kAll, SolveMethod::kTouched};
 
 /// A ball of 10 cm about the origin: the preset, subdivided.
 PolygonMesh ballCage(int levels) {
@@ -42,7 +42,7 @@ PolygonMesh sheetCage(int quads) {
 
 /// Clay, hand and all that a frame needs.
 struct Workshop {
-  Workshop(const PolygonMesh& cage, SolveRows rows, const HandModel& hand, int levels = 2)
+  Workshop(const PolygonMesh& cage, SolveMethod rows, const HandModel& hand, int levels = 2)
       : grid(contactGrid(hand.skin)),
         clay(testGpu(), ClayState{cage, SubdivisionRule::kCatmullClark, levels, rows}, Vec3::Zero()),
         sculptor(testGpu(), clay, grid),
@@ -102,7 +102,7 @@ SculptControls with(Tool tool, const Symmetry& symmetry = {}, bool held = true) 
 }
 
 TEST(Tools, PullCarriesTheGrippedPatchAndLeavesTheFarSide) {
-  for (const SolveRows rows : kBothSolves) {
+  for (const SolveMethod rows : kBothSolves) {
     Workshop workshop(ballCage(1), rows, ballHand(kBallRadius_m));
     const std::vector<Vec3> before = workshop.surface();
     const double edge = before[within(before, Vec3(0.12, 0, 0)).front()].norm();
@@ -128,7 +128,7 @@ TEST(Tools, PullCarriesTheGrippedPatchAndLeavesTheFarSide) {
 TEST(Tools, PullLetsGoWithTheClutchTheToolAndTheHand) {
   const Vec3 start(0.13, 0, 0), away(0.16, 0, 0);
   const auto pulled = [&](const std::function<void(Workshop&)>& between) {
-    Workshop workshop(ballCage(1), SolveRows::kAll, ballHand(kBallRadius_m));
+    Workshop workshop(ballCage(1), SolveMethod::kAll, ballHand(kBallRadius_m));
     workshop.frame(fitAt(start), with(Tool::kPull));
     workshop.frame(fitAt(start + Vec3(0.002, 0, 0)), with(Tool::kPull));
     between(workshop);
@@ -152,7 +152,7 @@ TEST(Tools, PullLetsGoWithTheClutchTheToolAndTheHand) {
 }
 
 TEST(Tools, PullTakesHoldWhereTheHandFirstTouches) {
-  Workshop workshop(ballCage(1), SolveRows::kAll, ballHand(kBallRadius_m));
+  Workshop workshop(ballCage(1), SolveMethod::kAll, ballHand(kBallRadius_m));
   const std::vector<Vec3> before = workshop.surface();
   EXPECT_EQ(workshop.frame(fitAt(Vec3(0.2, 0, 0)), with(Tool::kPull)).touched, 0);
   EXPECT_EQ(workshop.frame(fitAt(Vec3(0.16, 0, 0)), with(Tool::kPull)).touched, 0);
@@ -176,7 +176,7 @@ double roughness(const std::vector<Vec3>& points) {
 }
 
 TEST(Tools, SmoothTakesTheBumpsAndLeavesTheBall) {
-  for (const SolveRows rows : kBothSolves) {
+  for (const SolveMethod rows : kBothSolves) {
     PolygonMesh cage = ballCage(1);
     for (Vec3& point : cage.points) point *= 0.06 / point.norm();
     const PolygonMesh even = cage;
@@ -218,7 +218,7 @@ TEST(Tools, SmoothGoesAsFarInASecondAtAnyFrameRate) {
   std::vector<std::vector<Vec3>> ends;
   double moved_m = 0;
   for (const int frames : {10, 40}) {
-    Workshop workshop(cage, SolveRows::kAll, ballHand(0.07));
+    Workshop workshop(cage, SolveMethod::kAll, ballHand(0.07));
     const std::vector<Vec3> before = workshop.surface();
     SculptControls controls = with(Tool::kSmooth);
     controls.frame_s = 0.2 / frames;
@@ -230,7 +230,7 @@ TEST(Tools, SmoothGoesAsFarInASecondAtAnyFrameRate) {
 }
 
 TEST(Tools, SmoothKeepsToTheHandsReach) {
-  Workshop workshop(sheetCage(16), SolveRows::kTouched, ballHand(kBallRadius_m));
+  Workshop workshop(sheetCage(16), SolveMethod::kTouched, ballHand(kBallRadius_m));
   std::vector<Vec3> points = workshop.clay.cage().points;
   for (std::size_t i = 0; i < points.size(); ++i) points[i].z() += i % 2 == 0 ? 0.003 : -0.003;
   workshop.clay.setControlPoints(points);
@@ -244,7 +244,7 @@ TEST(Tools, SmoothKeepsToTheHandsReach) {
 }
 
 TEST(Tools, SmoothLeavesAFlatSheetInItsPlaneAndAnEvenTubeWithItsRims) {
-  for (const SolveRows rows : kBothSolves) {
+  for (const SolveMethod rows : kBothSolves) {
     Workshop sheet(sheetCage(8), rows, boxHand({0.3, 0.3, 0.01}));
     Workshop tube(presetCage("tube"), rows, boxHand({0.2, 0.2, 0.25}));
     const std::vector<Vec3> before = tube.surface();
@@ -258,7 +258,7 @@ TEST(Tools, SmoothLeavesAFlatSheetInItsPlaneAndAnEvenTubeWithItsRims) {
 }
 
 TEST(Tools, SmoothEvensADentedRimAsACurve) {
-  for (const SolveRows rows : kBothSolves) {
+  for (const SolveMethod rows : kBothSolves) {
     PolygonMesh cage = presetCage("tube");
     double top = 0;
     for (const Vec3& point : cage.points) top = std::max(top, point.z());
@@ -300,7 +300,7 @@ double asymmetry(const std::vector<Vec3>& points, const Vec3& signs) {
 
 TEST(Tools, ASymmetricCageStaysSymmetricUnderEveryTool) {
   const HandModel hand = ballHand(kBallRadius_m);
-  for (const SolveRows rows : kBothSolves)
+  for (const SolveMethod rows : kBothSolves)
     for (const Tool tool : {Tool::kPush, Tool::kPull, Tool::kSmooth})
       for (const Symmetry& symmetry : {Symmetry{true, false, false}, Symmetry{true, true, true}}) {
         PolygonMesh cage = presetCage("ball");
@@ -341,7 +341,7 @@ TEST(Tools, ThePlanesOfSymmetryTurnWithTheClay) {
     for (Vec3& point : surface) point = by.conjugate() * point;
     return surface;
   };
-  for (const SolveRows rows : kBothSolves)
+  for (const SolveMethod rows : kBothSolves)
     for (const Tool tool : {Tool::kPush, Tool::kPull, Tool::kSmooth}) {
       Workshop lying(cage, rows, hand), turned(cage, rows, hand), moved(cage, rows, hand);
       const std::vector<Vec3> before = lying.surface();
@@ -368,7 +368,7 @@ TEST(Tools, SymmetryOnAnyMeshDoesBothSidesAsTheMirroredHandWould) {
   for (const Tool tool : {Tool::kPush, Tool::kPull}) {
     std::vector<std::vector<Vec3>> surfaces;
     for (const double side : {1.0, -1.0, 0.0}) {  // 0: both, by symmetry
-      Workshop workshop(cage, SolveRows::kTouched, hand);
+      Workshop workshop(cage, SolveMethod::kTouched, hand);
       for (int i = 0; i <= 8; ++i) {
         const double out = tool == Tool::kPull ? 0.125 + 0.002 * i : 0.14 - 0.003 * i;
         workshop.frame(fitAt(Vec3(side < 0 ? -out : out, 0.01, 0)), with(tool, {side == 0, false, false}));
@@ -388,7 +388,7 @@ TEST(Tools, SymmetryOnAnyMeshDoesBothSidesAsTheMirroredHandWould) {
 }
 
 TEST(Tools, SwitchingInTheMiddleJumpsNowhere) {
-  for (const SolveRows rows : kBothSolves) {
+  for (const SolveMethod rows : kBothSolves) {
     Workshop workshop(ballCage(1), rows, ballHand(kBallRadius_m));
     // the hand stays, half in the clay: no switch moves anything but smoothing, which does little in a frame
     const GpuFit still = fitAt(Vec3(0.11, 0, 0));
@@ -409,7 +409,7 @@ TEST(Tools, SwitchingInTheMiddleJumpsNowhere) {
 }
 
 TEST(Tools, AnOpenSheetIsPulledBySymmetricHands) {
-  for (const SolveRows rows : kBothSolves) {
+  for (const SolveMethod rows : kBothSolves) {
     Workshop workshop(sheetCage(12), rows, ballHand(kBallRadius_m));
     const std::vector<Vec3> before = workshop.surface();
     for (int i = 0; i <= 10; ++i)

@@ -15,9 +15,9 @@ namespace {
 
 /// A mottled backdrop with Gaussian noise; a disc of skin colour, a shadow, speckle and pinholes, as asked.
 struct Studio {
-  explicit Studio(int picture_width, int picture_height) : rig(ringRig(2, picture_width, picture_height)) {}
+  explicit Studio(int image_width, int image_height) : rig(ringRig(2, image_width, image_height)) {}
 
-  std::vector<std::uint8_t> picture(int camera, bool hand, double brightness = 1) {
+  std::vector<std::uint8_t> image(int camera, bool hand, double brightness = 1) {
     const int width = rig.cameras[0].width, height = rig.cameras[0].height;
     std::vector<std::uint8_t> bgr(std::size_t(width) * height * 3);
     std::normal_distribution<double> noise(0, 2);
@@ -40,22 +40,22 @@ struct Studio {
   std::mt19937 random{7};
 };
 
-/// A camera's pictures: kEmptyFrames of the empty studio, and others.
+/// A camera's images: kEmptyFrames of the empty studio, and others.
 using Shots = std::vector<std::vector<std::uint8_t>>;
 constexpr int kEmptyFrames = 8;
 
-/// What is left of pictures in a video, by OpenCV's own quality.
-Shots throughVideo(const Shots& pictures, cv::Size size, const char* form) {
+/// What is left of images in a video, by OpenCV's own quality.
+Shots throughVideo(const Shots& images, cv::Size size, const char* form) {
   const TemporaryFolder folder;
   cv::VideoWriter writer(folder / "video.avi", cv::CAP_FFMPEG,
                          cv::VideoWriter::fourcc(form[0], form[1], form[2], form[3]), 30, size);
-  for (const auto& picture : pictures)
-    writer.write(cv::Mat(size, CV_8UC3, const_cast<std::uint8_t*>(picture.data())));
+  for (const auto& image : images)
+    writer.write(cv::Mat(size, CV_8UC3, const_cast<std::uint8_t*>(image.data())));
   writer.release();
   const auto video = openFrames(folder.path(), "video");
-  Shots result(pictures.size());
+  Shots result(images.size());
   for (std::size_t frame = 0; frame < result.size(); ++frame) {
-    result[frame].resize(pictures[frame].size());
+    result[frame].resize(images[frame].size());
     video->read(static_cast<int>(frame), result[frame]);
   }
   return result;
@@ -64,16 +64,16 @@ Shots throughVideo(const Shots& pictures, cv::Size size, const char* form) {
 struct Segmented {
   std::vector<Mask> raw, majority, largest, cleaned;
   std::vector<std::vector<BackgroundPixel>> background;
-  std::vector<std::vector<std::uint8_t>> pictures;
+  std::vector<std::vector<std::uint8_t>> images;
 };
 
-/// Of all cameras, with one picture that is not empty.
+/// Of all cameras, with one image that is not empty.
 std::vector<Shots> shoot(Studio& studio, bool hand, double brightness = 1) {
   std::vector<Shots> shots(studio.rig.cameras.size());
   for (int frame = 0; frame <= kEmptyFrames; ++frame)
     for (std::size_t c = 0; c < shots.size(); ++c)
-      shots[c].push_back(frame < kEmptyFrames ? studio.picture(static_cast<int>(c), false)
-                                              : studio.picture(static_cast<int>(c), hand, brightness));
+      shots[c].push_back(frame < kEmptyFrames ? studio.image(static_cast<int>(c), false)
+                                              : studio.image(static_cast<int>(c), hand, brightness));
   return shots;
 }
 
@@ -82,15 +82,15 @@ Segmented segment(const Rig& cameras, const std::vector<Shots>& shots) {
   Gpu& gpu = testGpu();
   const GpuRig rig(gpu, cameras);
   Silhouettes silhouettes(gpu, rig);
-  Buffer<std::uint32_t> pictures(gpu, rig.pictureWords(), Memory::kHost);
+  Buffer<std::uint32_t> images(gpu, rig.imageWords(), Memory::kHost);
   Recorder recorder(gpu);
   const auto show = [&](std::size_t camera, const std::vector<std::uint8_t>& bgr) {
-    std::copy(bgr.begin(), bgr.end(), rig.picture(pictures.host(), camera).begin());
+    std::copy(bgr.begin(), bgr.end(), rig.image(images.host(), camera).begin());
   };
   for (int frame = 0; frame < kEmptyFrames; ++frame) {
     for (std::size_t c = 0; c < rig.cameraCount(); ++c) show(c, shots[c][std::size_t(frame)]);
     recorder.begin();
-    silhouettes.recordLearning(recorder, pictures);
+    silhouettes.recordLearning(recorder, images);
     if (frame + 1 == kEmptyFrames) silhouettes.finishLearning(recorder);
     recorder.submitAndWait();
     EXPECT_TRUE(hazards(recorder.commands()).empty());
@@ -99,11 +99,11 @@ Segmented segment(const Rig& cameras, const std::vector<Shots>& shots) {
   for (std::size_t c = 0; c < rig.cameraCount(); ++c) {
     result.background.push_back(
         learnBackgroundReference({shots[c].begin(), shots[c].begin() + kEmptyFrames}));
-    result.pictures.push_back(shots[c].back());
-    show(c, result.pictures.back());
+    result.images.push_back(shots[c].back());
+    show(c, result.images.back());
   }
   recorder.begin();
-  silhouettes.record(recorder, pictures);
+  silhouettes.record(recorder, images);
   recorder.submitAndWait();
   EXPECT_TRUE(hazards(recorder.commands()).empty());
   result.raw = rig.unpack(silhouettes.segmented().download());
@@ -130,8 +130,8 @@ TEST(Silhouette, SegmentationEqualsTheReferenceAwayFromItsThresholds) {
       std::vector<double> scores(result.raw[c].pixels.size());
       std::vector<char> exempt(scores.size());
       for (std::size_t i = 0; i < scores.size(); ++i) {
-        const Vec3 seen(result.pictures[c][3 * i], result.pictures[c][3 * i + 1],
-                        result.pictures[c][3 * i + 2]);
+        const Vec3 seen(result.images[c][3 * i], result.images[c][3 * i + 1],
+                        result.images[c][3 * i + 2]);
         // the model is stored in whole grey levels and eighths of spread
         const BackgroundPixel& background = result.background[c][i];
         BackgroundPixel stored;
@@ -208,7 +208,7 @@ TEST(Silhouette, VideoCodingWidensItsEdgeByLessThanHalfAPixel) {
     Studio studio(320, 240);
     std::vector<Shots> shots = shoot(studio, false);
     for (std::size_t c = 0; c < shots.size(); ++c) {
-      for (int frame = 0; frame < 6; ++frame) shots[c].push_back(studio.picture(static_cast<int>(c), true));
+      for (int frame = 0; frame < 6; ++frame) shots[c].push_back(studio.image(static_cast<int>(c), true));
       shots[c] = throughVideo(shots[c], {320, 240}, form);
     }
     for (const Mask& mask : segment(studio.rig, shots).cleaned) {
@@ -223,7 +223,7 @@ TEST(Silhouette, VideoCodingWidensItsEdgeByLessThanHalfAPixel) {
   }
 }
 
-TEST(Silhouette, AnEmptyPictureHasNoSilhouetteWorthTheName) {
+TEST(Silhouette, AnEmptyImageHasNoSilhouetteWorthTheName) {
   Studio studio(320, 240);
   for (const Mask& mask : segment(studio, false).cleaned) EXPECT_LT(pixelsSet(mask), 10);
 }

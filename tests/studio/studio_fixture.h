@@ -94,7 +94,7 @@ class Studio : public testing::Test {
   }
 
   /// What the display shows once nothing moves in its middle.
-  Screenshot restingPicture() const {
+  Screenshot restingFrame() const {
     Screenshot shot = desktop->screenshot();
     const auto rests = [&] {
       std::this_thread::sleep_for(std::chrono::milliseconds(1500));  // finer half a second after a change
@@ -112,7 +112,7 @@ class Studio : public testing::Test {
     desktop->key("6");
     desktop->moveTo(kFromX, kY);
     desktop->press();
-    // How much of the way the first picture of the press takes is the machine's pace.
+    // How much of the way the first image of the press takes is the machine's pace.
     const auto touches = [&] { return log()["sculpting"] == true; };
     for (x_ = kFromX; x_ < kFarthestX && !touches();) {
       drag(x_ + kDabPx);

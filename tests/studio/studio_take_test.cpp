@@ -11,7 +11,7 @@ namespace fs = std::filesystem;
 
 TEST_F(Studio, ATakeIsPlayedToItsEndAndAlwaysMakesTheSameClay) {
   const int frames = writeSmallTake(folder / "take");
-  // Twice in the window, where pictures and frames come as they come.
+  // Twice in the window, where images and frames come as they come.
   for (const char* name : {"a.clay", "b.clay"}) {
     startWithoutHint({at("take"), "--background", "10", "--save", at(name)});
     const auto ended = [](const json& line) { return line["ended"] == true; };

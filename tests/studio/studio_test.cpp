@@ -44,7 +44,7 @@ double asymmetryInX(const ClayState& state) {
 TEST_F(Studio, MousePushesClayUndoRedoRefine) {
   const fs::path file = folder / "a.clay";
   start({"--save", file});
-  const Screenshot hint = restingPicture();
+  const Screenshot hint = restingFrame();
   desktop->key("Escape");
   EXPECT_TRUE(waitUntil([&] { return differingShare(hint, desktop->screenshot(), 0.4) > 0.5; }));
   const ClayState begun = kept(file).state();
@@ -133,7 +133,7 @@ TEST_F(Studio, WindowIsResizedMinimisedClosedAndRemembered) {
   desktop->restore();
   EXPECT_TRUE(hasSize(1000, 700)) << log();
   for (int i = 0; i < 12; ++i)
-    desktop->resize(700 + 40 * i, 500 + 20 * (i % 5));  // faster than pictures come
+    desktop->resize(700 + 40 * i, 500 + 20 * (i % 5));  // faster than images come
   desktop->resize(1040, 720);
   EXPECT_TRUE(hasSize(1040, 720)) << log();
   const auto since = std::chrono::steady_clock::now();
@@ -153,11 +153,11 @@ TEST_F(Studio, SharedMemoryAndTheSwapchainShowTheSame) {
   const auto shownBy = [&](const std::string& screen) {
     startWithoutHint({"--device", "llvmpipe", "--clay", "vase"});
     EXPECT_EQ(log()["screen"], screen);
-    const Screenshot first = restingPicture();
+    const Screenshot first = restingFrame();
     desktop->key("Tab");  // the panels' figures are never the same
-    desktop->key("7");    // from the top: another picture
+    desktop->key("7");    // from the top: another image
     EXPECT_TRUE(waitUntil([&] { return differingShare(first, desktop->screenshot(), kMiddle) > 0; }));
-    const Screenshot shot = restingPicture();
+    const Screenshot shot = restingFrame();
     close();
     return shot;
   };
@@ -166,7 +166,7 @@ TEST_F(Studio, SharedMemoryAndTheSwapchainShowTheSame) {
   desktop.emplace(Desktop::Options{.shared_memory = false});
   const Screenshot swapped = shownBy("swapchain");
   EXPECT_EQ(differingShare(shared, swapped, kMiddle), 0);
-  // and it is a picture: of clay before a backdrop
+  // and it is a image: of clay before a backdrop
   Screenshot even = shared;
   std::fill(even.rgb.begin(), even.rgb.end(),
             shared.rgb[even.rgb.size() / 2 + 3 * std::size_t(even.width) / 2]);

@@ -56,7 +56,7 @@ void forEachCamera(const Rig& rig, const std::function<void(const Camera&)>& dra
   for (std::future<void>& one : drawn) one.get();
 }
 
-std::vector<std::uint8_t> pictureOf(const Board& board, const Camera& camera, const std::vector<Pose>& boards,
+std::vector<std::uint8_t> imageOf(const Board& board, const Camera& camera, const std::vector<Pose>& boards,
                                     std::size_t frame) {
   BoardShot shot;
   shot.noise_sigma = 2;
@@ -168,14 +168,14 @@ std::vector<CameraViews> seenCorners(const Rig& rig, const Board& board, const s
   return cameras;
 }
 
-void drawPictures(const std::filesystem::path& folder, const Rig& rig, const Board& board,
+void drawImages(const std::filesystem::path& folder, const Rig& rig, const Board& board,
                   const std::vector<Pose>& boards) {
   forEachCamera(rig, [&](const Camera& camera) {
     std::filesystem::create_directories(folder / camera.name);
     for (std::size_t frame = 0; frame < boards.size(); ++frame) {
-      std::vector<std::uint8_t> bgr = pictureOf(board, camera, boards, frame);
-      const cv::Mat picture(camera.height, camera.width, CV_8UC3, bgr.data());
-      cv::imwrite((folder / camera.name / (std::to_string(frame) + ".png")).string(), picture);
+      std::vector<std::uint8_t> bgr = imageOf(board, camera, boards, frame);
+      const cv::Mat image(camera.height, camera.width, CV_8UC3, bgr.data());
+      cv::imwrite((folder / camera.name / (std::to_string(frame) + ".png")).string(), image);
     }
   });
 }
@@ -184,9 +184,9 @@ void drawVideos(const std::filesystem::path& folder, const Rig& rig, const Board
                 const std::vector<Pose>& boards) {
   forEachCamera(rig, [&](const Camera& camera) {
     VideoWriter video(folder / (camera.name + ".mp4"),
-                      {.size = {camera.width, camera.height}, .form = VideoWriter::Form::kBgr8});
+                      {.size = {camera.width, camera.height}, .format = VideoWriter::Format::kBgr8});
     for (std::size_t frame = 0; frame < boards.size(); ++frame)
-      video.write(pictureOf(board, camera, boards, frame));
+      video.write(imageOf(board, camera, boards, frame));
     video.finish();
   });
 }

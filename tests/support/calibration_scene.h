@@ -28,8 +28,8 @@ std::vector<Pose> wavedBoards(const Rig& rig, const Board& board, const Wave& wa
 std::vector<CameraViews> seenCorners(const Rig& rig, const Board& board, const std::vector<Pose>& boards,
                                      const Wave& wave);
 
-/// Takes pictures of the boards with every camera, noise on them, into `folder`: NAME/0.png and on.
-void drawPictures(const std::filesystem::path& folder, const Rig& rig, const Board& board,
+/// Takes images of the boards with every camera, noise on them, into `folder`: NAME/0.png and on.
+void drawImages(const std::filesystem::path& folder, const Rig& rig, const Board& board,
                   const std::vector<Pose>& boards);
 /// The same into a video NAME.mp4 each, H.264.
 void drawVideos(const std::filesystem::path& folder, const Rig& rig, const Board& board,

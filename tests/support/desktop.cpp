@@ -31,7 +31,7 @@ std::uint32_t bigEndian(const std::string& bytes, std::size_t word) {
 
 }  // namespace
 
-// ------------------------------------------------------------------------------------------- pictures
+// ------------------------------------------------------------------------------------------- images
 
 double differingShare(const Screenshot& a, const Screenshot& b, double part) {
   if (a.width != b.width || a.height != b.height) return 1;
@@ -56,7 +56,7 @@ bool Desktop::possible() {
 }
 
 Desktop::Desktop(const Options& options) {
-  // The server takes the first free number and says which; its picture is a file (-fbdir). Without -noreset
+  // The server takes the first free number and says which; its image is a file (-fbdir). Without -noreset
   // it would begin anew whenever its last client leaves, and drop one that is just coming.
   const std::filesystem::path number = folder_ / "number";
   server_.emplace(

@@ -14,7 +14,7 @@ struct Screenshot {
   int width = 0, height = 0;
   std::vector<std::uint8_t> rgb;
 };
-/// How much of the picture differs by more than a few of 255 levels, of 1, within a part of it that is
+/// How much of the image differs by more than a few of 255 levels, of 1, within a part of it that is
 /// centred and `part` times as wide and high.
 double differingShare(const Screenshot& a, const Screenshot& b, double part);
 
@@ -24,7 +24,7 @@ class Desktop {
   static bool possible();
 
   struct Options {
-    bool shared_memory = true;  ///< the server takes pictures from memory that it shares with programs
+    bool shared_memory = true;  ///< the server takes images from memory that it shares with programs
   };
   /// Ready when this returns: the window manager has taken over.
   Desktop() : Desktop(Options{}) {}

@@ -13,7 +13,7 @@
 namespace airclay {
 
 ClayState tubeState() {
-  return {presetCage("tube"), SubdivisionRule::kCatmullClark, 2, SolveRows::kAll};
+  return {presetCage("tube"), SubdivisionRule::kCatmullClark, 2, SolveMethod::kAll};
 }
 
 ClayState afterStroke(ClayState state, int number) {

@@ -27,8 +27,8 @@ Rig turned(const Rig& rig, const Eigen::Quaterniond& turn) {
   return result;
 }
 
-PoseError poseError(const Pose& found, const Pose& truth, const Vec3& gravity_center_in_hand) {
-  return {(found * gravity_center_in_hand - truth * gravity_center_in_hand).norm(),
+PoseError poseError(const Pose& found, const Pose& truth, const Vec3& center_of_mass_in_hand) {
+  return {(found * center_of_mass_in_hand - truth * center_of_mass_in_hand).norm(),
           angleBetween(found.linear(), truth.linear()) * 180 / M_PI};
 }
 

@@ -22,7 +22,7 @@ class HandCameras {
   Recorder recorder_;
 };
 
-/// The rig seen from a world turned about its origin: what was at p is at turn * p, and the pictures stay.
+/// The rig seen from a world turned about its origin: what was at p is at turn * p, and the images stay.
 /// \pre the workspace's centre is the origin
 Rig turned(const Rig& rig, const Eigen::Quaterniond& turn);
 
@@ -30,6 +30,6 @@ Rig turned(const Rig& rig, const Eigen::Quaterniond& turn);
 struct PoseError {
   double shift_m = 0, turn_degrees = 0;
 };
-PoseError poseError(const Pose& found, const Pose& truth, const Vec3& gravity_center_in_hand);
+PoseError poseError(const Pose& found, const Pose& truth, const Vec3& center_of_mass_in_hand);
 
 }  // namespace airclay

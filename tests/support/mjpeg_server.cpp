@@ -19,7 +19,7 @@ bool sendAll(int client, const std::string& bytes) {
 
 }  // namespace
 
-MjpegServer::MjpegServer(PictureSize size, double rate_hz, int port) {
+MjpegServer::MjpegServer(ImageSize size, double rate_hz, int port) {
   listening_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   const int on = 1;
   setsockopt(listening_, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
@@ -42,7 +42,7 @@ MjpegServer::~MjpegServer() {
   close(listening_);
 }
 
-void MjpegServer::serve(PictureSize size, double rate_hz) {
+void MjpegServer::serve(ImageSize size, double rate_hz) {
   for (int grey = 0; !ending_;) {
     pollfd waiting{listening_, POLLIN, 0};
     if (poll(&waiting, 1, 20) <= 0) continue;

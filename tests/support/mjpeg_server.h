@@ -9,19 +9,19 @@
 
 namespace airclay {
 
-/// Serves a picture that changes, `rate_hz` times a second, to one client at a time; gone with its object, as
+/// Serves a image that changes, `rate_hz` times a second, to one client at a time; gone with its object, as
 /// a camera that is switched off.
 class MjpegServer {
  public:
   /// `port` 0: any that is free.
-  MjpegServer(PictureSize size, double rate_hz, int port = 0);
+  MjpegServer(ImageSize size, double rate_hz, int port = 0);
   ~MjpegServer();
   MjpegServer(const MjpegServer&) = delete;
   MjpegServer& operator=(const MjpegServer&) = delete;
   int port() const { return port_; }
 
  private:
-  void serve(PictureSize size, double rate_hz);
+  void serve(ImageSize size, double rate_hz);
 
   int listening_ = -1, port_ = 0;
   std::atomic<bool> ending_ = false;

@@ -36,17 +36,17 @@ int writeSmallTake(const std::filesystem::path& folder, const SmallTake& take) {
   Synthetic synthetic(testGpu(), options);
   std::filesystem::create_directories(folder);
   writeRig(folder / "rig.toml", synthetic.rig());
-  std::vector<std::vector<std::uint8_t>> pictures;
+  std::vector<std::vector<std::uint8_t>> images;
   for (const Camera& camera : synthetic.rig().cameras) {
     std::filesystem::create_directories(folder / camera.name);
-    pictures.emplace_back(std::size_t(3) * std::size_t(camera.width) * std::size_t(camera.height));
+    images.emplace_back(std::size_t(3) * std::size_t(camera.width) * std::size_t(camera.height));
   }
-  const std::vector<std::span<std::uint8_t>> buffers(pictures.begin(), pictures.end());
-  for (int frame = 0; synthetic.readPictures(frame, buffers); ++frame)
-    for (std::size_t c = 0; c < pictures.size(); ++c) {
+  const std::vector<std::span<std::uint8_t>> buffers(images.begin(), images.end());
+  for (int frame = 0; synthetic.readImages(frame, buffers); ++frame)
+    for (std::size_t c = 0; c < images.size(); ++c) {
       std::vector<std::uint8_t> rgba;
-      for (std::size_t i = 0; i < pictures[c].size(); i += 3)
-        rgba.insert(rgba.end(), {pictures[c][i + 2], pictures[c][i + 1], pictures[c][i], 255});
+      for (std::size_t i = 0; i < images[c].size(); i += 3)
+        rgba.insert(rgba.end(), {images[c][i + 2], images[c][i + 1], images[c][i], 255});
       const Camera& camera = synthetic.rig().cameras[c];
       writePng(folder / camera.name / (std::to_string(frame) + ".png"), {camera.width, camera.height}, rgba);
     }

@@ -18,7 +18,7 @@ struct SmallTake {
 /// What the hand does in it: it comes to the tube's side, presses it in and goes away.
 HandScript smallTakeScript(const SmallTake& take = {});
 
-/// The recording: small pictures, 30 a second, few. Returns how many frames.
+/// The recording: small images, 30 a second, few. Returns how many frames.
 int writeSmallTake(const std::filesystem::path& folder, const SmallTake& take = {});
 
 }  // namespace airclay

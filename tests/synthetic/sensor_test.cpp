@@ -38,7 +38,7 @@ Rig mixedRig() {
   return rig;
 }
 
-/// Area in pixels and centre of mass of a picture of shares.
+/// Area in pixels and centre of mass of a image of shares.
 struct Shape {
   double area = 0;
   Vec2 center = Vec2::Zero();
@@ -54,7 +54,7 @@ Shape shapeOf(const std::vector<double>& shares, int width) {
   return shape;
 }
 
-/// Fine picture: kFine x kFine samples a pixel, from each triangle projected by the CPU's lens.
+/// Fine image: kFine x kFine samples a pixel, from each triangle projected by the CPU's lens.
 constexpr int kFine = 6;
 std::vector<double> projectedShares(const Camera& camera, const TriangleMesh& mesh,
                                     const Pose& world_from_mesh) {
@@ -90,7 +90,7 @@ std::vector<double> projectedShares(const Camera& camera, const TriangleMesh& me
   return shares;
 }
 
-/// A sensor with its rig, and its pictures as bytes.
+/// A sensor with its rig, and its images as bytes.
 struct Studio {
   Studio(const Rig& rig, const std::vector<TriangleMesh>& meshes)
       : gpu_rig(testGpu(), rig), sensor(testGpu(), gpu_rig, meshes), recorder(testGpu()) {}
@@ -102,11 +102,11 @@ struct Studio {
     for (std::size_t i = 0; i < gpu_rig.cameraCount(); ++i) sensor.record(recorder, i, pose, frame);
     recorder.submitAndWait();
     EXPECT_TRUE(hazards(recorder.commands()).empty());
-    std::vector<std::uint32_t> words = sensor.pictures().download();
+    std::vector<std::uint32_t> words = sensor.images().download();
     std::vector<std::uint8_t> bytes;
     for (std::size_t i = 0; i < gpu_rig.cameraCount(); ++i) {
-      const auto picture = gpu_rig.picture(words, i);
-      bytes.insert(bytes.end(), picture.begin(), picture.end());
+      const auto image = gpu_rig.image(words, i);
+      bytes.insert(bytes.end(), image.begin(), image.end());
     }
     return bytes;
   }
@@ -243,7 +243,7 @@ TEST(Sensor, TheNoiseIsGaussianWhiteAndOfTheSpreadAsked) {
   ASSERT_GT(count, 200'000);
   const double variance = square / count;
   EXPECT_NEAR(sum / count, 0, 5 * 2.5 / std::sqrt(count) + 0.005);
-  // both pictures are rounded to whole numbers: 1/12 each
+  // both images are rounded to whole numbers: 1/12 each
   EXPECT_NEAR(std::sqrt(variance - 2.0 / 12), 2.5, 0.02);
   EXPECT_NEAR(fourth / count / (variance * variance), 3, 0.1);
   for (const double product : {with_next, with_channel, with_below})
@@ -261,7 +261,7 @@ TEST(Sensor, TheSameFrameIsTheSameBytesAndAnotherIsNot) {
   EXPECT_NE(seeded, first);
 }
 
-TEST(Sensor, BrightnessScalesThePicture) {
+TEST(Sensor, BrightnessScalesTheImage) {
   Studio studio(ringRig(2), {sphere(0.05)});
   const auto mean = [&](double brightness) {
     double sum = 0;
@@ -272,7 +272,7 @@ TEST(Sensor, BrightnessScalesThePicture) {
   EXPECT_NEAR(mean(1.03) / mean(1), 1.03, 0.002);
 }
 
-TEST(Sensor, PicturesOfAnySizeAreWhole) {
+TEST(Sensor, ImagesOfAnySizeAreWhole) {
   Rig rig = ringRig(3, 101, 77);  // 7,777 pixels: no whole number of words
   rig.cameras[1] = ringRig(3, 64, 64).cameras[1];
   Rig alone = rig;

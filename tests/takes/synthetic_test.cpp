@@ -15,7 +15,7 @@ struct Pictures {
   explicit Pictures(const Rig& rig) {
     for (const Camera& camera : rig.cameras)
       bytes.emplace_back(std::size_t(3) * std::size_t(camera.width) * std::size_t(camera.height));
-    for (std::vector<std::uint8_t>& picture : bytes) spans.emplace_back(picture);
+    for (std::vector<std::uint8_t>& image : bytes) spans.emplace_back(image);
   }
 };
 
@@ -43,24 +43,24 @@ TEST(Synthetic, HasTimesTruthAndBackgroundFrames) {
 TEST(Synthetic, FramesAreTheSameInAnyOrderAndEndWhereTheyShould) {
   Synthetic recording(testGpu());
   Pictures first(recording.rig()), again(recording.rig());
-  ASSERT_TRUE(recording.readPictures(40, first.spans));
-  ASSERT_TRUE(recording.readPictures(3, again.spans));
+  ASSERT_TRUE(recording.readImages(40, first.spans));
+  ASSERT_TRUE(recording.readImages(3, again.spans));
   EXPECT_NE(first.bytes, again.bytes);
-  ASSERT_TRUE(recording.readPictures(40, again.spans));
+  ASSERT_TRUE(recording.readImages(40, again.spans));
   EXPECT_EQ(first.bytes, again.bytes);
-  EXPECT_FALSE(recording.readPictures(recording.frameCount(), again.spans));
+  EXPECT_FALSE(recording.readImages(recording.frameCount(), again.spans));
 }
 
-TEST(Synthetic, TheHandIsInThePicturesWhereTheTruthSaysAndNowhereBefore) {
+TEST(Synthetic, TheHandIsInTheImagesWhereTheTruthSaysAndNowhereBefore) {
   SyntheticOptions options;
   options.meshes = {builtInHand(false).skin};  // without the forearm, whose end is in no truth
   options.noise_sigma = options.drift = 0;     // then only the hand adds red: shadow takes it away
   Synthetic recording(testGpu(), options);
   Pictures empty(recording.rig()), other(recording.rig()), full(recording.rig());
-  recording.readPictures(0, empty.spans);
-  recording.readPictures(9, other.spans);
+  recording.readImages(0, empty.spans);
+  recording.readImages(9, other.spans);
   const int frame = 45;
-  recording.readPictures(frame, full.spans);
+  recording.readImages(frame, full.spans);
   const Pose world_from_hand =
       recording.truth()->at(std::size_t(frame - recording.backgroundFrames())).world_from_hand;
   for (std::size_t c = 0; c < recording.rig().cameras.size(); ++c) {

@@ -50,8 +50,8 @@ int greyOf(int camera, int frame) {
 constexpr int kGreyLoss = 7;
 
 void writeVideo(const std::filesystem::path& file, int camera, int frames,
-                PictureSize size = {kWidth, kHeight}, double rate_hz = 25) {
-  VideoWriter writer(file, {size, rate_hz, VideoWriter::Form::kBgr8});
+                ImageSize size = {kWidth, kHeight}, double rate_hz = 25) {
+  VideoWriter writer(file, {size, rate_hz, VideoWriter::Format::kBgr8});
   std::vector<std::uint8_t> pixels(static_cast<size_t>(size.width * size.height * 3));
   for (int frame = 0; frame < frames; ++frame) {
     std::fill(pixels.begin(), pixels.end(), static_cast<std::uint8_t>(greyOf(camera, frame)));
@@ -60,9 +60,9 @@ void writeVideo(const std::filesystem::path& file, int camera, int frames,
   writer.finish();
 }
 
-void writePicture(const std::filesystem::path& file, const cv::Mat& picture) {
+void writeImage(const std::filesystem::path& file, const cv::Mat& image) {
   std::filesystem::create_directories(file.parent_path());
-  ASSERT_TRUE(cv::imwrite(file.string(), picture));
+  ASSERT_TRUE(cv::imwrite(file.string(), image));
 }
 
 cv::Mat flat(cv::Scalar color, int width = kWidth, int height = kHeight) {
@@ -99,7 +99,7 @@ class TakeTest : public testing::Test {
     const std::string message = messageOf([&] {
       Take take(folder.path());
       Frame frame(take), masks(take, 1);
-      for (int i = 0; take.hasPictures() && take.readPictures(i, frame.spans); ++i) continue;
+      for (int i = 0; take.hasImages() && take.readImages(i, frame.spans); ++i) continue;
       for (int i = 0; take.hasSilhouettes() && take.readSilhouettes(i, masks.spans); ++i) continue;
     });
     EXPECT_EQ(message.find('\n'), std::string::npos) << message;
@@ -122,7 +122,7 @@ TEST_F(TakeTest, videosComeFrameByFrame) {
   writeVideos();
   Take take(folder.path());
   EXPECT_EQ(take.frameCount(), 6);
-  EXPECT_TRUE(take.hasPictures());
+  EXPECT_TRUE(take.hasImages());
   EXPECT_FALSE(take.hasSilhouettes());
   EXPECT_FALSE(take.truth());
   EXPECT_FALSE(take.note());
@@ -131,31 +131,31 @@ TEST_F(TakeTest, videosComeFrameByFrame) {
   EXPECT_NEAR(take.timeOf(5), 0.2, 1e-9);
   Frame frame(take);
   const auto expectFrame = [&](int number) {
-    ASSERT_TRUE(take.readPictures(number, frame.spans));
+    ASSERT_TRUE(take.readImages(number, frame.spans));
     for (int camera = 0; camera < 2; ++camera)
       for (const std::uint8_t value : frame.bytes[static_cast<size_t>(camera)])
         ASSERT_NEAR(value, greyOf(camera, number), kGreyLoss) << "frame " << number;
   };
   for (int number = 0; number < 6; ++number) expectFrame(number);
-  EXPECT_FALSE(take.readPictures(6, frame.spans));
-  EXPECT_FALSE(take.readPictures(-1, frame.spans));
+  EXPECT_FALSE(take.readImages(6, frame.spans));
+  EXPECT_FALSE(take.readImages(-1, frame.spans));
   for (const int number : {3, 1, 5, 5, 0}) expectFrame(number);  // any order
 }
 
-TEST_F(TakeTest, picturesComeExactly) {
+TEST_F(TakeTest, imagesComeExactly) {
   for (int frame = 0; frame < 3; ++frame)
     for (const char* camera : {"left", "right"})
-      writePicture(folder / camera / numbered(frame),
+      writeImage(folder / camera / numbered(frame),
                    flat({10.0 + frame, 20, camera[0] == 'l' ? 30.0 : 40.0}));
-  writePicture(folder / "background/left.png", flat({1, 2, 3}));
-  writePicture(folder / "background/right.png", flat({4, 5, 6}));
+  writeImage(folder / "background/left.png", flat({1, 2, 3}));
+  writeImage(folder / "background/right.png", flat({4, 5, 6}));
   Take take(folder.path());
   EXPECT_EQ(take.frameCount(), 3);
   EXPECT_EQ(take.rateHz(), 30);
   ASSERT_TRUE(take.hasBackground());
   EXPECT_EQ(take.backgroundFrames(), 0);
   Frame frame(take);
-  ASSERT_TRUE(take.readPictures(2, frame.spans));
+  ASSERT_TRUE(take.readImages(2, frame.spans));
   EXPECT_EQ(frame.bytes[0][0], 12);
   EXPECT_EQ(frame.bytes[0][1], 20);
   EXPECT_EQ(frame.bytes[0].back(), 30);
@@ -179,7 +179,7 @@ TEST_F(TakeTest, otherContainersAreRead) {
   Take take(folder.path());
   Frame frame(take);
   int read = 0;
-  while (take.readPictures(read, frame.spans)) {
+  while (take.readImages(read, frame.spans)) {
     EXPECT_NEAR(frame.bytes[0][99], greyOf(0, read), kGreyLoss);
     EXPECT_NEAR(frame.bytes[1][99], greyOf(1, read), kGreyLoss);
     ++read;
@@ -205,10 +205,10 @@ TEST_F(TakeTest, masksAloneMakeATake) {
   mask.at<std::uint8_t>(5, 7) = 255;
   mask.at<std::uint8_t>(6, 7) = 128;  // a soft edge: half and more is the object
   mask.at<std::uint8_t>(7, 7) = 127;
-  writePicture(folder / "silhouettes/left/000004.png", mask);
+  writeImage(folder / "silhouettes/left/000004.png", mask);
   std::filesystem::create_directories(folder / "silhouettes/right");
   Take take(folder.path());
-  EXPECT_FALSE(take.hasPictures());
+  EXPECT_FALSE(take.hasImages());
   EXPECT_TRUE(take.hasSilhouettes());
   EXPECT_EQ(take.frameCount(), 5);
   EXPECT_EQ(take.backgroundFrames(), 0);
@@ -338,7 +338,7 @@ T_right: !!opencv-matrix
   data: [0., 0., 1.2]
 )";
 
-TEST_F(TakeTest, easyMocapsRigTakesItsSizesFromThePictures) {
+TEST_F(TakeTest, easyMocapsRigTakesItsSizesFromTheImages) {
   std::filesystem::remove(folder / "rig.toml");
   folder.write("intri.yml", kIntri);
   folder.write("extri.yml", kExtri);
@@ -391,7 +391,7 @@ TEST_F(TakeTest, badFolders) {
   expectFault({"left", "no frames"});
   std::filesystem::create_directories(folder / "left");
   std::filesystem::create_directories(folder / "right");
-  expectFault({"left", "holds no picture"});
+  expectFault({"left", "holds no image"});
 }
 
 TEST_F(TakeTest, badVideos) {
@@ -410,7 +410,7 @@ TEST_F(TakeTest, badVideos) {
   folder.write("right.mp4", "");
   expectFault({"right.mp4", "cannot be opened"});
 
-  // The index is whole, the second half of the pictures is gone.
+  // The index is whole, the second half of the images is gone.
   const size_t data = whole.find("mdat"), index = whole.find("moov");
   ASSERT_LT(data, index);
   std::string gutted = whole;
@@ -438,19 +438,19 @@ TEST_F(TakeTest, aCutMatroskaVideoIsNoShorterOne) {
   expectFault({"right.mkv", "fails at frame", "of the 20"});
 }
 
-TEST_F(TakeTest, badPictures) {
+TEST_F(TakeTest, badImages) {
   for (int frame = 0; frame < 3; ++frame)
     for (const char* camera : {"left", "right"})
-      writePicture(folder / camera / numbered(frame), flat({1, 2, 3}));
+      writeImage(folder / camera / numbered(frame), flat({1, 2, 3}));
   EXPECT_EQ(fault(), "");
   const std::filesystem::path middle = folder / "left/000001.png";
-  writePicture(middle, flat({1, 2, 3}, 65));
+  writeImage(middle, flat({1, 2, 3}, 65));
   expectFault({"left/000001.png", "65 x 48", "64 x 48"});
   std::filesystem::remove(middle);
   expectFault({"left", "frame 1", "missing"});
   cv::Mat noise(kHeight, kWidth, CV_8UC3);
   cv::randu(noise, 0, 255);
-  writePicture(middle, noise);
+  writeImage(middle, noise);
   std::ifstream in(middle, std::ios::binary);
   std::string whole{std::istreambuf_iterator<char>(in), {}};
   folder.write("left/000001.png", whole.substr(0, whole.size() - 100));
@@ -458,19 +458,19 @@ TEST_F(TakeTest, badPictures) {
   whole[whole.size() / 2] = static_cast<char>(whole[whole.size() / 2] + 1);
   folder.write("left/000001.png", whole);
   expectFault({"left/000001.png", "damaged"});
-  folder.write("left/000001.png", "no picture");
+  folder.write("left/000001.png", "no image");
   expectFault({"left/000001.png", "neither"});
-  writePicture(folder / "noise.jpg", noise);
+  writeImage(folder / "noise.jpg", noise);
   std::ifstream jpeg(folder / "noise.jpg", std::ios::binary);
   const std::string jpeg_bytes{std::istreambuf_iterator<char>(jpeg), {}};
   folder.write("left/000001.png", jpeg_bytes);  // the name's ending does not matter
   EXPECT_EQ(fault(), "");
   folder.write("left/000001.png", jpeg_bytes.substr(0, jpeg_bytes.size() * 2 / 3));
   expectFault({"left/000001.png", "cut off"});
-  writePicture(middle, noise);
-  writePicture(folder / "background/left.png", flat({1, 2, 3}));
+  writeImage(middle, noise);
+  writeImage(folder / "background/left.png", flat({1, 2, 3}));
   expectFault({"background", "right.png"});
-  writePicture(folder / "background/right.png", flat({1, 2, 3}, 60));
+  writeImage(folder / "background/right.png", flat({1, 2, 3}, 60));
   expectFault({"background", "right.png", "60 x 48"});
 }
 
@@ -479,11 +479,11 @@ TEST_F(TakeTest, badMasks) {
   expectFault({"silhouettes/right", "right"});
   std::filesystem::create_directories(folder / "silhouettes/right");
   expectFault({"empty"});
-  writePicture(folder / "silhouettes/right/000001.png", cv::Mat(kHeight, kWidth, CV_8UC1, cv::Scalar(255)));
+  writeImage(folder / "silhouettes/right/000001.png", cv::Mat(kHeight, kWidth, CV_8UC1, cv::Scalar(255)));
   EXPECT_EQ(fault(), "");
-  writePicture(folder / "silhouettes/left/000001.png", cv::Mat(kHeight, 32, CV_8UC1, cv::Scalar(255)));
+  writeImage(folder / "silhouettes/left/000001.png", cv::Mat(kHeight, 32, CV_8UC1, cv::Scalar(255)));
   expectFault({"silhouettes/left/000001.png", "32 x 48", "64 x 48"});
-  writePicture(folder / "silhouettes/left/000001.png", cv::Mat(kHeight, kWidth, CV_8UC1, cv::Scalar(1)));
+  writeImage(folder / "silhouettes/left/000001.png", cv::Mat(kHeight, kWidth, CV_8UC1, cv::Scalar(1)));
   expectFault({"silhouettes/left/000001.png", "255"});
   std::filesystem::rename(folder / "silhouettes/left/000001.png",
                           folder / "silhouettes/left/99999999999.png");
@@ -524,7 +524,7 @@ TEST(VideoWriter, leavesNothingUnfinishedAndSaysWhatItCannotWrite) {
 
 TEST(VideoWriter, writesRgbaAsH264) {
   const TemporaryFolder folder;
-  VideoWriter writer(folder / "red.mp4", {{kWidth, kHeight}, 24, VideoWriter::Form::kRgba8});
+  VideoWriter writer(folder / "red.mp4", {{kWidth, kHeight}, 24, VideoWriter::Format::kRgba8});
   std::vector<std::uint8_t> pixels;
   for (int i = 0; i < kWidth * kHeight; ++i) pixels.insert(pixels.end(), {200, 40, 60, 255});
   for (int i = 0; i < 3; ++i) writer.write(pixels);
@@ -543,15 +543,15 @@ TEST(VideoWriter, writesRgbaAsH264) {
   EXPECT_NEAR(pixel[0], 60, 4);
 }
 
-TEST(PictureFile, pngComesBackExactly) {
+TEST(ImageFile, pngComesBackExactly) {
   const TemporaryFolder folder;
   std::vector<std::uint8_t> rgba;
   for (int i = 0; i < 5 * 4; ++i)
     for (const int value : {i, 50 + i, 100 + i, 255}) rgba.push_back(static_cast<std::uint8_t>(value));
   writePng(folder / "a.png", {5, 4}, rgba);
-  EXPECT_EQ(pictureSize(folder / "a.png"), (PictureSize{5, 4}));
+  EXPECT_EQ(imageSize(folder / "a.png"), (ImageSize{5, 4}));
   std::vector<std::uint8_t> bgr(5 * 4 * 3);
-  readPicture(folder / "a.png", {5, 4}, PixelForm::kBgr8, bgr);
+  readImage(folder / "a.png", {5, 4}, PixelFormat::kBgr8, bgr);
   for (size_t i = 0; i < 20; ++i)
     for (size_t c = 0; c < 3; ++c) ASSERT_EQ(bgr[3 * i + c], rgba[4 * i + 2 - c]);
   EXPECT_NE(messageOf([&] { writePng(folder / "none/a.png", {5, 4}, rgba); }), "");

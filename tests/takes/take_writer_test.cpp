@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using Pictures = std::vector<std::vector<std::uint8_t>>;
 
-/// The ring's cameras, of whom the second has an odd width: its pictures are no video.
+/// The ring's cameras, of whom the second has an odd width: its images are no video.
 Rig rig(int width = 64, int height = 48) {
   Rig rig = ringRig(3, width, height);
   rig.cameras[1].width -= 1;
@@ -32,12 +32,12 @@ std::size_t pixels(const Camera& camera) {
 /// Noise: whatever a codec would drop is there.
 Pictures noise(const Rig& of, unsigned seed) {
   std::mt19937 random(seed);
-  Pictures pictures;
+  Pictures images;
   for (const Camera& camera : of.cameras) {
-    pictures.emplace_back(3 * pixels(camera));
-    for (std::uint8_t& byte : pictures.back()) byte = static_cast<std::uint8_t>(random());
+    images.emplace_back(3 * pixels(camera));
+    for (std::uint8_t& byte : images.back()) byte = static_cast<std::uint8_t>(random());
   }
-  return pictures;
+  return images;
 }
 
 std::vector<double> timesOf(int set) {
@@ -53,11 +53,11 @@ void writeNoise(const fs::path& folder, int sets) {
 
 /// Every frame that there is, is what was written.
 void expectNoise(Take& take) {
-  Pictures pictures = noise(rig(), 99);
-  const std::vector<std::span<std::uint8_t>> buffers(pictures.begin(), pictures.end());
+  Pictures images = noise(rig(), 99);
+  const std::vector<std::span<std::uint8_t>> buffers(images.begin(), images.end());
   for (int i = 0; i < take.frameCount(); ++i) {
-    ASSERT_TRUE(take.readPictures(i, buffers));
-    EXPECT_EQ(pictures, noise(rig(), unsigned(i))) << i;
+    ASSERT_TRUE(take.readImages(i, buffers));
+    EXPECT_EQ(images, noise(rig(), unsigned(i))) << i;
     EXPECT_EQ(take.cameraTimesOf(i), timesOf(i));
   }
 }
