@@ -73,6 +73,7 @@ int run(int argc, char** argv) {
   addCompare(program, status);
   addBench(program, status);
   addDevices(program, status);
+  addReference(program, status);
   try {
     checkCommand(program, argc, argv);
     program.parse(argc, argv);

@@ -10,7 +10,7 @@
 namespace airclay {
 
 Pipeline::PreparedClay::PreparedClay(Gpu& gpu, const ClayState& state, const Vec3& workspace_center,
-                             const DistanceGrid& hand)
+                                     const DistanceGrid& hand)
     : clay_(std::make_unique<Clay>(gpu, state, workspace_center)),
       sculptor_(std::make_unique<Sculptor>(gpu, *clay_, hand)) {}
 Pipeline::PreparedClay::~PreparedClay() = default;
@@ -82,8 +82,7 @@ struct Pipeline::Parts {
   void recordHull(bool from_images, std::uint32_t missing_cameras = 0) {
     if (from_images) {
       if (!silhouettes.learned())
-        throw Error(
-            "the empty workspace has not been learned: give background images or empty first frames");
+        throw Error("the empty workspace has not been learned: give background images or empty first frames");
       recorder.stage("silhouette");
       silhouettes.record(recorder, images);
     }

@@ -34,7 +34,8 @@ struct ClayOptions {
 enum class WhenOmitted { kDefault, kKeep };
 
 /// --levels and --rule.
-void addSubdivisionOptions(CLI::App& command, ClayOptions& words, WhenOmitted otherwise = WhenOmitted::kDefault);
+void addSubdivisionOptions(CLI::App& command, ClayOptions& words,
+                           WhenOmitted otherwise = WhenOmitted::kDefault);
 /// --solve.
 void addSolveOption(CLI::App& command, ClayOptions& words, WhenOmitted otherwise = WhenOmitted::kDefault);
 

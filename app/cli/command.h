@@ -92,5 +92,6 @@ void addRig(CLI::App& program, int& status);
 void addCompare(CLI::App& program, int& status);
 void addBench(CLI::App& program, int& status);
 void addDevices(CLI::App& program, int& status);
+void addReference(CLI::App& program, int& status);
 
 }  // namespace airclay

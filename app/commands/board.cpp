@@ -93,20 +93,22 @@ Verdict judge(const Board& board, const Sight& sight, Page page) {
   return verdict;
 }
 
-void sayVerdict(const BoardCommandOptions& options, const Board& board, const Sight& sight, const Verdict& verdict) {
+void sayVerdict(const BoardCommandOptions& options, const Board& board, const Sight& sight,
+                const Verdict& verdict) {
   const std::string cell = board.chessboard ? "a square" : "a marker's cell";
   const std::string least = fixed(leastCellPixels(board), 0);
   printLine(options, "To " + sight.camera + ", " + cell + " has " + fixed(verdict.cell_px, 1) +
-                   " pixels: " + (verdict.readable ? "it will be read" : "too few to be read") + " (" +
-                   least + " are needed, more where the board is held aslant).");
+                         " pixels: " + (verdict.readable ? "it will be read" : "too few to be read") + " (" +
+                         least + " are needed, more where the board is held aslant).");
   if (verdict.readable) return;
   const double nearer_m = sight.sight.distance_m * verdict.cell_px / leastCellPixels(board);
   if (!verdict.proposal) {
     printLine(options, "No board on A3 will do there. Within " + fixed(nearer_m, 2) + " m this one is read.");
     return;
   }
-  printLine(options, "This one would be read, with " + fixed(verdict.proposal->cell_px, 1) + " pixels: --page " +
-                   nameOf(verdict.proposal->page) + " " + optionsOf(verdict.proposal->board));
+  printLine(options, "This one would be read, with " + fixed(verdict.proposal->cell_px, 1) +
+                         " pixels: --page " + nameOf(verdict.proposal->page) + " " +
+                         optionsOf(verdict.proposal->board));
 }
 
 nlohmann::ordered_json jsonOf(const Board& board, Page page) {
@@ -150,8 +152,9 @@ void runBoard(const BoardCommandOptions& options) {
   const std::optional<Verdict> verdict = sight ? std::optional(judge(board, *sight, page)) : std::nullopt;
   if (options.json) printVerdict(jsonOf(board, page), verdict);
   printLine(options, "A board of " + describe(board) + ", in " + options.out + ", on a page of " +
-                   fixed(1000 * sheet.width_m, 0) + " x " + fixed(1000 * sheet.height_m, 0) + " mm.");
-  printLine(options,
+                         fixed(1000 * sheet.width_m, 0) + " x " + fixed(1000 * sheet.height_m, 0) + " mm.");
+  printLine(
+      options,
       "Print it at 100 %, without scaling (\"actual size\"). Measure the line below it: it must be 100 mm "
       "long. If it isn't, measure a square and say so with --square-mm.");
   printLine(options, "Glue it on something flat and stiff: a bent board bends the calibration.");

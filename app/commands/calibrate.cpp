@@ -46,11 +46,11 @@ void print(const CalibrateOptions& options, const Calibration& found) {
                cameras[static_cast<std::size_t>(baseline.b)].name + " " + fixed(baseline.metres, 3) + " m";
   printLine(options, "apart: " + apart);
   printLine(options, "corners are off by " + fixed(found.rms_px, 2) + " px RMS; lengths on the board by " +
-                   describeScale(found) + "; the world is the board's of frame " +
-                   std::to_string(found.world_frame) +
-                   (options.live() || options.calibration.world_frame
-                        ? ""
-                        : " (--world N names one that lies on the table)"));
+                         describeScale(found) + "; the world is the board's of frame " +
+                         std::to_string(found.world_frame) +
+                         (options.live() || options.calibration.world_frame
+                              ? ""
+                              : " (--world N names one that lies on the table)"));
   printLine(options, describeOutput(options));
 }
 

@@ -41,7 +41,8 @@ void collectInTerminal(const CalibrationCommandOptions& words, LiveCalibration& 
   }
 }
 
-LiveCalibration::State finishInTerminal(const CalibrationCommandOptions& words, LiveCalibration& calibration) {
+LiveCalibration::State finishInTerminal(const CalibrationCommandOptions& words,
+                                        LiveCalibration& calibration) {
   calibration.finish();
   Progress progress("making the rig", 100, words.printsMessages());
   for (;;) {
@@ -55,7 +56,7 @@ LiveCalibration::State finishInTerminal(const CalibrationCommandOptions& words, 
 }  // namespace
 
 void CalibrationCommandOptions::collectLive(LiveCameras& running, const Board& of,
-                                   const LiveCalibration::Finish& make) const {
+                                            const LiveCalibration::Finish& make) const {
   LiveCalibration::Options options{.board = of, .collector = {.wanted = wanted}, .finish = make, .wake = {}};
   for (const CameraStatus& camera : running.status())
     if (camera.times == TimeOrigin::kArrival) options.collector.unseen_skew_s = kUnseenSkewS;
@@ -93,7 +94,7 @@ Board CalibrationCommandOptions::measuredBoard(std::vector<std::string>& warning
 }
 
 std::vector<CameraViews> CalibrationCommandOptions::findBoards(BoardRecording& recording, const Board& of,
-                                                      std::vector<std::string>& warnings) const {
+                                                               std::vector<std::string>& warnings) const {
   warnings.insert(warnings.end(), recording.notes().begin(), recording.notes().end());
   const ProgressTask progress("looking for the board", printsMessages());
   return recording.findBoards(BoardDetector(of), search);
@@ -112,7 +113,8 @@ void CalibrationCommandOptions::check() const {
   if (!image.empty()) checkWritable(image);
 }
 
-void CalibrationCommandOptions::write(const Calibration& found, const Board& of, const std::string& hint) const {
+void CalibrationCommandOptions::write(const Calibration& found, const Board& of,
+                                      const std::string& hint) const {
   try {
     checkRig(found.rig, out);
   } catch (const Error& error) {
@@ -131,7 +133,7 @@ void addCalibrationOptions(CLI::App& command, CalibrationCommandOptions& words) 
   addCameraOptions(command, words.cameras);
   command.add_flag("--headless", words.headless, "live: open no window, though there be a display");
   command.add_option("--out", words.out, "where the calibrated rig goes")->type_name("RIG.toml")->required();
-  command.add_option("--picture", words.image, "where a image of the rig and what is left over goes")
+  command.add_option("--picture", words.image, "where an image of the rig and what is left over goes")
       ->type_name("FILE.png");
   addBoardOptions(command, words.board);
   command

@@ -54,7 +54,7 @@ void runCompare(const CommonOptions& options, int& status) {
   if (options.printsMessages()) printTable(rows);
   if (failed == 0) return;
   printWarning(std::to_string(failed) + " of " + std::to_string(kernels.size()) +
-       " kernels differ from their reference by more than the tolerance");
+               " kernels differ from their reference by more than the tolerance");
   status = static_cast<int>(Fault::kInput);
 }
 

@@ -52,7 +52,7 @@ void runNew(const NewOptions& options) {
   const Subdivision subdivision = subdivide(state.cage, state.levels, state.rule);
   Document::create(options.file, state);
   printLine(options, options.file + ": " + counted(state.cage.points.size(), "control point") + ", " +
-                   counted(static_cast<std::size_t>(subdivision.matrix.rows()), "data point"));
+                         counted(static_cast<std::size_t>(subdivision.matrix.rows()), "data point"));
 }
 
 std::string localTime(std::int64_t unix_time_s) {
@@ -91,7 +91,7 @@ void runHistory(const DocumentOptions& options) {
 
 void sayWhere(const DocumentOptions& options, const Document& document, const std::string& done) {
   printLine(options, options.file + ": " + done + "; " + std::to_string(document.undoCount()) + " to undo, " +
-                   std::to_string(document.redoCount()) + " to redo");
+                         std::to_string(document.redoCount()) + " to redo");
 }
 
 void runUndo(const DocumentOptions& options) {
@@ -121,10 +121,11 @@ void runRefine(const DocumentOptions& options) {
     throw Error(options.file + ": " + error.what());
   }
   document.commit("Refine", refined);
-  printLine(options, options.file + ": " + counted(refined.cage.points.size(), "control point") + " at level " +
-                   std::to_string(refined.levels) + ", from " + std::to_string(before.cage.points.size()) +
-                   " at level " + std::to_string(before.levels) +
-                   (before.levels == 1 ? "; the surface is one step finer" : "; the surface is the same"));
+  printLine(options,
+            options.file + ": " + counted(refined.cage.points.size(), "control point") + " at level " +
+                std::to_string(refined.levels) + ", from " + std::to_string(before.cage.points.size()) +
+                " at level " + std::to_string(before.levels) +
+                (before.levels == 1 ? "; the surface is one step finer" : "; the surface is the same"));
 }
 
 void runSet(const SetOptions& options) {
@@ -147,8 +148,8 @@ void runSet(const SetOptions& options) {
                                                 : "Settings",
                   state);
   printLine(options, options.file + ": " + counted(state.cage.points.size(), "control point") + ", " +
-                   counted(static_cast<std::size_t>(subdivision.matrix.rows()), "data point") + " at level " +
-                   std::to_string(state.levels));
+                         counted(static_cast<std::size_t>(subdivision.matrix.rows()), "data point") +
+                         " at level " + std::to_string(state.levels));
 }
 
 void runTurn(const TurnOptions& options) {
@@ -160,7 +161,8 @@ void runTurn(const TurnOptions& options) {
   for (Vec3& point : state.cage.points) point = about + turn * (point - about);
   state.workspace_from_clay = (turn * state.workspace_from_clay).normalized();
   document.commit("Turn", state);
-  printLine(options, options.file + ": turned by " + fixed(options.degrees, 1) + " degrees about " + options.axis);
+  printLine(options,
+            options.file + ": turned by " + fixed(options.degrees, 1) + " degrees about " + options.axis);
 }
 
 void addFile(CLI::App& command, DocumentOptions& options) {

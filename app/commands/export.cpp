@@ -65,8 +65,8 @@ void runExport(const ExportOptions& options) {
                {"open_edges", written.open_edges},
                {"volume_cm3", 1e6 * written.volume_m3}});
   printLine(options, std::to_string(written.faces) +
-                   (written.faces == written.triangles ? " triangles, " : " faces, ") + sizeOf(written) +
-                   ", in " + options.out + "; " + wordsOn(written));
+                         (written.faces == written.triangles ? " triangles, " : " faces, ") +
+                         sizeOf(written) + ", in " + options.out + "; " + wordsOn(written));
 }
 
 }  // namespace

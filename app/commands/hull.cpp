@@ -6,7 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "app/cli/command.h"
-#include "app/session/player.h"
+#include "app/session/take_options.h"
+#include "capture/takes/player.h"
 #include "engine/mesh/mesh_file.h"
 
 namespace airclay {
@@ -42,7 +43,7 @@ void runHull(const HullOptions& options) {
   writePly(options.out, points);
   if (options.json) printJson({{"occupied", points.size()}, {"voxel_m", voxel_m}, {"volume_m3", volume_m3}});
   printLine(options, std::to_string(points.size()) + " voxels of " + fixed(1000 * voxel_m, 2) + " mm, " +
-                   fixed(1e6 * volume_m3, 1) + " cm3, in " + options.out);
+                         fixed(1e6 * volume_m3, 1) + " cm3, in " + options.out);
 }
 
 }  // namespace

@@ -7,8 +7,9 @@
 
 #include "app/cli/command.h"
 #include "app/cli/progress.h"
-#include "app/session/player.h"
+#include "app/session/take_options.h"
 #include "capture/cameras/clock_offsets.h"
+#include "capture/takes/player.h"
 #include "engine/core/error.h"
 
 namespace airclay {
@@ -81,7 +82,7 @@ void runOffsets(const OffsetsOptions& options) {
   if (options.json) printJson({{"cameras", cameras}});
   if (options.printsMessages()) printTable(rows);
   printLine(options, words.empty() ? "the cameras' clocks agree"
-                             : "with cameras that run, the words that put them in step are:" + words);
+                                   : "with cameras that run, the words that put them in step are:" + words);
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "app/session/contact_sheet.h"
-#include "app/session/player.h"
+#include "capture/takes/player.h"
 #include "capture/takes/synthetic.h"
 #include "engine/clay/clay.h"
 #include "engine/clay/presets.h"

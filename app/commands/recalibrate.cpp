@@ -97,7 +97,8 @@ void print(const RecalibrateOptions& options, const Recalibration& found) {
   if (options.printsMessages()) printTable(rows);
   printLine(options, worldWords(options, found));
   printLine(options, "corners are off by " + fixed(calibration.rms_px, 2) + " px RMS, with the old rig by " +
-                   fixed(found.rms_px_before, 2) + " px; lengths on the board by " + describeScale(calibration));
+                         fixed(found.rms_px_before, 2) + " px; lengths on the board by " +
+                         describeScale(calibration));
   printLine(options, describeOutput(options));
 }
 

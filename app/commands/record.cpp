@@ -55,8 +55,8 @@ class Watcher {
           state == CameraState::kFrozen || state == CameraState::kLost || state == CameraState::kReconnecting;
       if (bad && !bad_[c])
         printWarning("camera \"" + all[c].name + "\" is " + wordsOn(state) +
-             (all[c].fault.empty() ? "" : " (" + all[c].fault + ")") +
-             "; nothing is recorded until it is back");
+                     (all[c].fault.empty() ? "" : " (" + all[c].fault + ")") +
+                     "; nothing is recorded until it is back");
       if (!bad && bad_[c]) printWarning("camera \"" + all[c].name + "\" is back");
       bad_[c] = bad;
     }
@@ -248,7 +248,8 @@ void runRecord(const RecordOptions& options) {
                              : static_cast<int>(std::lround(options.background_s * cameras.slowestRateHz()));
   try {
     if (background > 0) {
-      printLine(options, "the empty workspace first: " + std::to_string(background) + " sets, keep out of it");
+      printLine(options,
+                "the empty workspace first: " + std::to_string(background) + " sets, keep out of it");
       recorder.takeBackground(background);
     }
     if (options.seconds == 0) printLine(options, "recording; Ctrl-C ends it");

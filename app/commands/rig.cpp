@@ -10,7 +10,8 @@
 #include "app/cli/command.h"
 #include "app/cli/output_paths.h"
 #include "app/cli/progress.h"
-#include "app/session/player.h"
+#include "app/session/take_options.h"
+#include "capture/takes/player.h"
 #include "capture/takes/rig_opencv.h"
 #include "capture/takes/take_inspection.h"
 #include "engine/camera/rig_formats.h"
@@ -97,7 +98,9 @@ struct RigReport {
   std::vector<SilhouetteAgreement> agreement;  ///< a camera each; none without silhouettes
   std::vector<RigDiagnostic> findings;
 
-  void add(const std::vector<RigDiagnostic>& more) { findings.insert(findings.end(), more.begin(), more.end()); }
+  void add(const std::vector<RigDiagnostic>& more) {
+    findings.insert(findings.end(), more.begin(), more.end());
+  }
   std::size_t faults() const {
     return std::size_t(std::count_if(findings.begin(), findings.end(), [](const RigDiagnostic& finding) {
       return finding.severity == Severity::kFault;
@@ -203,7 +206,7 @@ void runCheck(const CheckOptions& options, int& status) {
       std::find_if(report.findings.begin(), report.findings.end(),
                    [](const RigDiagnostic& finding) { return finding.severity == Severity::kFault; });
   printWarning(faultMessage(*first, report.where) +
-       (faults > 1 ? " (and " + counted(faults - 1, "more fault") + ")" : ""));
+               (faults > 1 ? " (and " + counted(faults - 1, "more fault") + ")" : ""));
   status = static_cast<int>(Fault::kInput);
 }
 

@@ -9,11 +9,12 @@
 #include "app/cli/clay_options.h"
 #include "app/cli/output_paths.h"
 #include "app/commands/sculpting.h"
-#include "app/session/player.h"
+#include "app/session/take_options.h"
 #include "app/studio/settings.h"
 #include "app/studio/studio.h"
 #include "app/studio/window.h"
 #include "capture/cameras/live_recording.h"
+#include "capture/takes/player.h"
 #include "capture/takes/synthetic.h"
 #include "engine/clay/presets.h"
 #include "engine/core/error.h"
@@ -55,7 +56,8 @@ PolygonMesh placedCage(const SculptOptions& options, const Workspace& workspace)
     inside = inside && cube.contains(point);
   }
   if (!inside)
-    printWarning("the clay reaches outside the workspace, where no hand is seen; --place and --size put it inside");
+    printWarning(
+        "the clay reaches outside the workspace, where no hand is seen; --place and --size put it inside");
   return cage;
 }
 
@@ -368,9 +370,8 @@ void addSculpt(CLI::App& program, int&) {
   command->add_flag("--unsteady", options->unsteady,
                     "without a window: the hand as it is measured, without the filter");
   command
-      ->add_option(
-          "--record", options->record,
-          "a new folder: the sets of images that are used, and all that is done, to be played again")
+      ->add_option("--record", options->record,
+                   "a new folder: the sets of images that are used, and all that is done, to be played again")
       ->type_name("DIR");
   command->add_flag("--afresh", options->afresh,
                     "of such a recording, the images alone, without what was done at the time");

@@ -5,9 +5,9 @@
 
 #include "app/cli/progress.h"
 #include "app/session/images.h"
-#include "app/session/player.h"
 #include "app/session/tracking_summary.h"
 #include "capture/images/video_writer.h"
+#include "capture/takes/player.h"
 #include "engine/clay/clay.h"
 #include "engine/core/median.h"
 #include "engine/mesh/mesh_file.h"
@@ -108,14 +108,15 @@ void SculptResults::printLine(const CommonOptions& options) const {
   for (const std::string& line : parts_->tracking.words()) airclay::printLine(options, line);
   airclay::printLine(options, parts_->clay.words());
   airclay::printLine(options, "surface.obj, cage.obj, poses.tum and images in " + sculpting.out.string() +
-                            (sculpting.video ? ", the video " + sculpting.video->string() : ""));
+                                  (sculpting.video ? ", the video " + sculpting.video->string() : ""));
 }
 
 void sculptHeadless(Gpu& gpu, const Session::Options& options, const Sculpting& sculpting,
                     const SculptControls& controls, Document document, const CommonOptions& common) {
   std::optional<SculptResults> results;
   std::optional<Progress> progress(std::in_place, options.replay ? "replaying" : "sculpting",
-                                   options.recording ? options.recording->frameCount() : 1, common.printsMessages());
+                                   options.recording ? options.recording->frameCount() : 1,
+                                   common.printsMessages());
   Session::Options session_options = options;
   session_options.headless = true;
   session_options.settings.tool = controls.tool;

@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "app/cli/command.h"
-#include "app/session/player.h"
 #include "app/session/session.h"
+#include "capture/takes/player.h"
 #include "capture/takes/recording.h"
 #include "engine/clay/document.h"
 #include "engine/hand/hand_model.h"

@@ -61,16 +61,16 @@ class Watcher {
 void sayAddresses(const ServeOptions& options, const StreamServer& server) {
   for (const StreamStatus& stream : server.status())
     printLine(options, stream.address + "  " + std::to_string(stream.camera.size.width) + "x" +
-                     std::to_string(stream.camera.size.height) + " at " + fixed(stream.camera.rate_hz, 2) +
-                     " Hz");
+                           std::to_string(stream.camera.size.height) + " at " +
+                           fixed(stream.camera.rate_hz, 2) + " Hz");
   if (options.address == "0.0.0.0" || options.address == "::")
     printLine(options, "this machine's name or address goes in the place of " + options.address);
   if (options.for_s == 0) printLine(options, "Ctrl-C ends it");
   std::fflush(stdout);  // who starts it from a script waits for these lines
   if (!options.address.starts_with("127.") && options.address != "::1")
     printWarning("anyone who reaches port " + std::to_string(server.port()) +
-         " of this machine can watch its cameras; "
-         "there is no password");
+                 " of this machine can watch its cameras; "
+                 "there is no password");
 }
 
 /// \throw Interrupted

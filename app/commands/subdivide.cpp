@@ -41,7 +41,7 @@ void runSubdivide(const SubdivideOptions& options) {
   if (options.json)
     printJson({{"control_points", cage.points.size()}, {"data_points", surface.points.size()}});
   printLine(options, std::to_string(cage.points.size()) + " control points, " +
-                   std::to_string(surface.points.size()) + " data points in " + options.out);
+                         std::to_string(surface.points.size()) + " data points in " + options.out);
 }
 
 void runDeform(const DeformOptions& options) {
@@ -62,8 +62,8 @@ void runDeform(const DeformOptions& options) {
                {"data_points", surface.points.size()},
                {"farthest_from_target_m", farthest_m}});
   printLine(options, std::to_string(moves.size()) + " moves; the surface ends within " +
-                   fixed(1000 * farthest_m, 3) + " mm of each; control points in " + options.cage_out +
-                   ", surface in " + options.out);
+                         fixed(1000 * farthest_m, 3) + " mm of each; control points in " + options.cage_out +
+                         ", surface in " + options.out);
 }
 
 void addCage(CLI::App& command, SubdivideOptions& options) {

@@ -7,6 +7,7 @@
 #include "app/cli/command.h"
 #include "app/cli/output_paths.h"
 #include "app/cli/progress.h"
+#include "app/session/take_options.h"
 #include "app/session/tracking_summary.h"
 #include "engine/core/error.h"
 

@@ -20,7 +20,7 @@ constexpr const char* kRules[] = {"catmull-clark", "printed"};
 constexpr const char* kSolves[] = {"all", "touched"};
 // In the order of Action::Kind.
 constexpr const char* kActionNames[] = {"stroke", "undo", "redo",     "refine", "form",
-                                  "turn",   "clay", "document", "again",  "empty"};
+                                        "turn",   "clay", "document", "again",  "empty"};
 
 std::string wordOf(const Symmetry& symmetry) {
   const std::string axes =

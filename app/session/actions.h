@@ -58,8 +58,8 @@ struct ReplayFrame {
   Tool tool = Tool::kPush;
   Symmetry symmetry;
   bool held = true, filtered = true;
-  std::uint32_t missing_cameras = 0;        ///< bits of cameras that had no image
-  std::optional<Pose> given_hand;  ///< the mouse's, where there is one
+  std::uint32_t missing_cameras = 0;  ///< bits of cameras that had no image
+  std::optional<Pose> given_hand;     ///< the mouse's, where there is one
 };
 
 /// How the recording was made.
@@ -75,9 +75,9 @@ struct Actions {
     ReplayFrame frame;
   };
   ActionsHeader head;
-  std::vector<Step> steps;  ///< a frame each
+  std::vector<Step> steps;    ///< a frame each
   std::vector<Action> after;  ///< the last frame
-  bool ended = false;       ///< as it should; else it broke off
+  bool ended = false;         ///< as it should; else it broke off
 };
 
 std::string linesOf(const ActionsHeader& head);

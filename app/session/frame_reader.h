@@ -23,8 +23,8 @@ struct FrameSet {
   Clock::time_point captured_at;  ///< when the frame was due, and its decoding began
   double decode_ms = 0;
   std::vector<double> camera_times_s;            ///< empty where the cameras have none of their own
-  std::uint32_t missing_cameras = 0;                      ///< bits of cameras without a image
-  std::vector<std::string> camera_problems;             ///< what is wrong with the cameras
+  std::uint32_t missing_cameras = 0;             ///< bits of cameras without an image
+  std::vector<std::string> camera_problems;      ///< what is wrong with the cameras
   std::vector<std::vector<std::uint8_t>> bytes;  ///< one a camera: BGR, or a mask's bytes
 };
 

@@ -71,7 +71,8 @@ class LiveCalibration {
   std::optional<int> world_;
   mutable std::mutex mutex_;
   State state_;
-  std::atomic<bool> stop_ = false, finish_requested_ = false, world_requested_ = false, restart_requested_ = false;
+  std::atomic<bool> stop_ = false, finish_requested_ = false, world_requested_ = false,
+                    restart_requested_ = false;
   std::thread thread_;
 };
 

@@ -332,7 +332,8 @@ bool Session::frameFromMouse() {
   const auto now = Clock::now();
   const double now_s = std::chrono::duration<double>(now.time_since_epoch()).count();
   if (last_frame_s_ >= 0 && now_s - last_frame_s_ < kMouseFrameS) return false;
-  ReplayFrame done = currentInputs(now_s, last_frame_s_ >= 0 ? std::min(now_s - last_frame_s_, 0.1) : kMouseFrameS);
+  ReplayFrame done =
+      currentInputs(now_s, last_frame_s_ >= 0 ? std::min(now_s - last_frame_s_, 0.1) : kMouseFrameS);
   {
     const std::lock_guard lock(mutex_);
     if (mouse_hand_.present) done.given_hand = mouse_hand_.world_from_hand;

@@ -13,9 +13,9 @@
 #include <shared_mutex>
 
 #include "app/session/frame_reader.h"
-#include "app/session/player.h"
 #include "app/session/session_recorder.h"
 #include "app/session/stroke_recorder.h"
+#include "capture/takes/player.h"
 #include "engine/clay/document.h"
 #include "engine/hand/one_euro.h"
 #include "engine/pipeline.h"
@@ -66,8 +66,8 @@ struct Snapshot {
   FrameResult result;
   StageTimes stage_ms;  ///< of the last frames that were timed
   double decode_ms = 0;
-  std::optional<double> filter_lag_ms;    ///< the filter's lag; of a hand at rest it means nothing
-  std::optional<double> skew_s;       ///< the cameras'; none where they have no times of their own
+  std::optional<double> filter_lag_ms;       ///< the filter's lag; of a hand at rest it means nothing
+  std::optional<double> skew_s;              ///< the cameras'; none where they have no times of their own
   std::vector<std::string> camera_problems;  ///< what is wrong with the cameras
   Clock::time_point captured_at;
   double rate_hz = 0;             ///< frames that went through in the last second

@@ -278,7 +278,7 @@ void Session::beginRecording(const std::filesystem::path& folder) {
   if (turning_) perform({.kind = Action::Kind::kTurn, .angle_rad = 0, .last = true});
   endStroke();
   const ActionsHeader head{learns ? source->backgroundFrames() : 0, options_.voxels, options_.hand_name,
-                         !source};
+                           !source};
   recorder_.emplace(SessionRecorder::Start{folder, source, options_.rig, head, learned_}, document_);
   // From here on as it will be when this is played: nothing is known of the hand, and the clay is the file's.
   resetTracking();

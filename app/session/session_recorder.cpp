@@ -8,9 +8,9 @@ namespace {
 
 TakeWriter::Options optionsOf(const SessionRecorder::Start& start) {
   if (!start.source) return {.rate_hz = 30, .content = TakeWriter::Content::kNothing};
-  return {.rate_hz = start.source->rateHz(),
-          .content =
-              start.source->hasSilhouettes() ? TakeWriter::Content::kMasks : TakeWriter::Content::kImages};
+  return {
+      .rate_hz = start.source->rateHz(),
+      .content = start.source->hasSilhouettes() ? TakeWriter::Content::kMasks : TakeWriter::Content::kImages};
 }
 
 /// Images of the empty workspace, where the source has them.

@@ -26,7 +26,7 @@ class SessionRecorder {
     std::filesystem::path folder;  ///< a new or empty one
     Recording* source = nullptr;   ///< none: the mouse's hand
     const Rig& rig;
-    ActionsHeader head;                      ///< `hand` right, left, or a file to be copied
+    ActionsHeader head;                    ///< `hand` right, left, or a file to be copied
     const std::vector<FrameSet>& learned;  ///< the sets that taught the empty workspace so far
   };
   /// `document` is where the recording begins; its history goes along, as undo may reach back.

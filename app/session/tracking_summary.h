@@ -6,7 +6,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 
-#include "app/session/player.h"
+#include "capture/takes/player.h"
 #include "capture/takes/poses_file.h"
 
 namespace airclay {

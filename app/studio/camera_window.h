@@ -15,13 +15,13 @@ namespace airclay {
 /// Where a camera's image lies in the window, pixels.
 struct ImagePlacement {
   int left = 0, top = 0, width = 0, height = 0;
-  double scale = 1;  ///< window's pixels a image's
+  double scale = 1;  ///< window's pixels an image's
 
   int right() const { return left + width; }
   int bottom() const { return top + height; }
 };
 
-/// What stands below a image: a name, a word at its right, and a line.
+/// What stands below an image: a name, a word at its right, and a line.
 struct CameraLabel {
   std::string name, right, line;
   std::uint32_t line_color = 0;  ///< as in look.h
@@ -33,12 +33,11 @@ class CameraWindow {
 
   Window& window() { return window_; }
 
-  /// Begins a image: ImGui calls may follow. False while there is nothing to draw on.
+  /// Begins an image: ImGui calls may follow. False while there is nothing to draw on.
   bool begin() { return window_.begin(false) == Window::Begun::kInterface; }
   /// Places images of these sizes, but for `beside_px` at the window's right, in as many columns as let
   /// them be largest, and draws them; grey where one is missing. \pre begin()
-  void lay(const std::vector<ImageSize>& sizes, const std::vector<LiveImage>& images,
-           double beside_px = 0);
+  void lay(const std::vector<ImageSize>& sizes, const std::vector<LiveImage>& images, double beside_px = 0);
   const std::vector<ImagePlacement>& places() const { return places_; }
   /// \pre lay()
   void drawLabel(std::size_t camera, const CameraLabel& label) const;

@@ -106,8 +106,8 @@ void Panels::drawMenu(const DocumentView& document, PanelRequests& requests) {
     }
     requests.open = ImGui::MenuItem("Open...", "Ctrl O");
     requests.save_as = ImGui::MenuItem("Save as...", "Ctrl S");
-    requests.record = ImGui::MenuItem(session_.recorderView().recording ? "Stop recording" : "Record", "Ctrl R",
-                                    false, !session_.replaying());
+    requests.record = ImGui::MenuItem(session_.recorderView().recording ? "Stop recording" : "Record",
+                                      "Ctrl R", false, !session_.replaying());
     ImGui::Separator();
     requests.import = ImGui::MenuItem("Import a cage (OBJ)...");
     requests.export_surface = ImGui::MenuItem("Export the surface...", "Ctrl E");
@@ -246,7 +246,7 @@ void Panels::drawSurface(const DocumentView& document) {
   ImGui::SetNextItemWidth(ImGui::GetFontSize() * 9);
   if (ImGui::Combo("rule", &rule, "Catmull-Clark\0as printed\0"))
     session_.setSurface(document.levels, rule ? SubdivisionRule::kPrinted : SubdivisionRule::kCatmullClark,
-                     document.solve);
+                        document.solve);
   ImGui::SetNextItemWidth(ImGui::GetFontSize() * 9);
   if (ImGui::Combo("solve", &solve, "all points\0touched points\0"))
     session_.setSurface(document.levels, document.rule, solve ? SolveMethod::kTouched : SolveMethod::kAll);
@@ -362,8 +362,8 @@ std::size_t Panels::scrollCameras(std::size_t rows, std::size_t shown, const ImV
 void Panels::drawCamera(std::size_t c, const Session::Thumbnail& image, const ImVec2& at,
                         const Snapshot& snapshot, const Stage& stage) {
   const Camera& camera = session_.rig().cameras[c];
-  insets_.push_back({&session_.thumbnails(), image.first, image.width, image.height,
-                     static_cast<int>(at.x), static_cast<int>(at.y)});
+  insets_.push_back({&session_.thumbnails(), image.first, image.width, image.height, static_cast<int>(at.x),
+                     static_cast<int>(at.y)});
   ImDrawList* draw = ImGui::GetBackgroundDrawList();
   if (snapshot.result.fit.tracked) {
     const float scale = static_cast<float>(image.width) / static_cast<float>(camera.width);

@@ -15,7 +15,7 @@ namespace airclay {
 /// Figures of the last seconds, for the graph and the log.
 class Meter {
  public:
-  /// A image was shown; `latency_ms` since its frame was captured, when it shows a new one.
+  /// An image was shown; `latency_ms` since its frame was captured, when it shows a new one.
   void shown(std::optional<double> latency_ms);
   double frameHz() const { return frame_hz_; }
   double latencyMs() const { return latency_ms_; }  ///< median of the last two seconds

@@ -72,7 +72,7 @@ StudioSettings loadSettings() {
     for (const Switch& one : switchesOf(settings)) one.value = table[one.key].value_or(one.value);
   } catch (const toml::parse_error& error) {
     printWarning(file.string() + ", line " + std::to_string(error.source().begin.line) + ": " +
-         std::string(error.description()) + "; the studio starts with its defaults");
+                 std::string(error.description()) + "; the studio starts with its defaults");
   } catch (const Error& error) {
     printWarning(error.what());
   }

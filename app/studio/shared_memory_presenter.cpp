@@ -45,7 +45,7 @@ class XFaults {
   XErrorHandler before_;
 };
 
-/// A image in memory that this process and the X server share, gone with the last of the two.
+/// An image in memory that this process and the X server share, gone with the last of the two.
 class SharedImage {
  public:
   /// What came of it: valid().
@@ -140,7 +140,8 @@ std::unique_ptr<SharedMemoryPresenter> SharedMemoryPresenter::open(Gpu& gpu, GLF
   return std::unique_ptr<SharedMemoryPresenter>(new SharedMemoryPresenter(gpu, std::move(parts)));
 }
 
-SharedMemoryPresenter::SharedMemoryPresenter(Gpu& gpu, std::unique_ptr<Parts> parts) : Presenter(gpu), parts_(std::move(parts)) {
+SharedMemoryPresenter::SharedMemoryPresenter(Gpu& gpu, std::unique_ptr<Parts> parts)
+    : Presenter(gpu), parts_(std::move(parts)) {
   makeRenderPass();
 }
 

@@ -23,7 +23,7 @@ constexpr double kNoteSeconds = 4, kLogSeconds = 1;
 constexpr double kSettingsSeconds = 2;  // a program that is killed loses no more of them
 constexpr double kTurnRadS = 1.2;       // of the clay and the mouse's hand, while a key is held
 constexpr double kMovingSeconds = 0.5;  // after the last frame, key or mouse
-constexpr double kQuietFrameS = 0.2;  // between images when nothing happens
+constexpr double kQuietFrameS = 0.2;    // between images when nothing happens
 constexpr double kMovingFrameS = 1.0 / 60;
 // While frames come in, they make the images: others would only hold them up.
 constexpr double kFlowingS = 0.15, kFlowingFrameS = 0.1;
@@ -105,7 +105,7 @@ class Studio {
     Clock::time_point since;
   };
 
-  /// A image is drawn for every new frame and while something is being done, and now and then otherwise. A
+  /// An image is drawn for every new frame and while something is being done, and now and then otherwise. A
   /// new frame ends the wait.
   double secondsToFrame(const Snapshot& snapshot) const {
     const bool new_frame = session_.hasRecording() && snapshot.serial != drawn_serial_;

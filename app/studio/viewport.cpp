@@ -20,12 +20,12 @@ constexpr DisplayDetail kMovingDetail = {.finer_points = 3'000, .coarser_points 
 constexpr DisplayDetail kRestingDetail = {.coarser_points = 150'000};
 constexpr int kMovingTaps = 8, kMovingShadowMap = 320, kMovingGround = 40;
 
-/// All that a image depends on.
+/// All that an image depends on.
 std::vector<double> keyOf(const Session::ClayOnDevice& clay, const Snapshot& snapshot,
                           const StudioSettings& settings, const ViewportFrame& wanted) {
   std::vector<double> key = {
       double(wanted.width),           double(wanted.height),         double(wanted.moving),
-      double(clay.structure_serial),       double(snapshot.clay_serial),  double(snapshot.trust),
+      double(clay.structure_serial),  double(snapshot.clay_serial),  double(snapshot.trust),
       double(settings.show_voxels),   double(settings.show_cage),    double(settings.show_points),
       double(settings.show_skeleton), double(settings.show_cameras), wanted.view.vertical_fov_rad,
       double(settings.symmetry.x),    double(settings.symmetry.y),   double(settings.symmetry.z)};
@@ -98,7 +98,8 @@ SurfaceBuffers Stage::recordSurface(Recorder& recorder, const Session::ClayOnDev
   const bool coarse = gpu_.isCpu() && moving;
   DrawnClay& drawn = clays_[coarse];
   if (drawn.structure_serial != clay.structure_serial) {
-    drawn.surface = std::make_unique<DisplaySurface>(gpu_, clay.structure.cage, clay.structure.rule, clay.structure.levels,
+    drawn.surface = std::make_unique<DisplaySurface>(gpu_, clay.structure.cage, clay.structure.rule,
+                                                     clay.structure.levels,
                                                      coarse         ? kMovingDetail
                                                      : gpu_.isCpu() ? kRestingDetail
                                                                     : DisplayDetail{});

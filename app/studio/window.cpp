@@ -55,7 +55,7 @@ VkDescriptorPool makeDescriptorPool(Gpu& gpu) {
   return pool;
 }
 
-/// What the keyboard did, until images have seen it. Dear ImGui 1.86 looks once a image which keys are
+/// What the keyboard did, until images have seen it. Dear ImGui 1.86 looks once an image which keys are
 /// down: one that went down and up between two images it would never see.
 class KeyEvents {
  public:

@@ -59,10 +59,10 @@ class Window {
 
   enum class Begun {
     kNothing,    ///< there is nothing to draw on
-    kImage,    ///< the interface stays as it is
-    kInterface,  ///< a image with its interface: ImGui calls may follow
+    kImage,      ///< the interface stays as it is
+    kInterface,  ///< an image with its interface: ImGui calls may follow
   };
-  /// Begins a image. `interface_may_stay`: one follows the other quickly, and it need not be drawn in each.
+  /// Begins an image. `interface_may_stay`: one follows the other quickly, and it need not be drawn in each.
   Begun begin(bool interface_may_stay);
   /// Ends it: `image` (ImageKind::kScreen) fills the window, `insets` lie on it, the interface over all.
   /// Submits what `recorder` has, and returns without waiting for it. \pre begin() gave something; the

@@ -14,7 +14,7 @@ struct BoardSight {
   double distance_m = 0;
 };
 
-/// The focal length of a image `width` pixels wide with a horizontal field of view, in pixels.
+/// The focal length of an image `width` pixels wide with a horizontal field of view, in pixels.
 double focalOf(int width, double fov_degrees);
 
 /// How many pixels a marker's cell has, from edge to edge; of a chessboard, which has none, a square.

@@ -21,11 +21,11 @@ namespace airclay {
 struct CollectedCamera {
   std::string name;
   ImageSize size;
-  std::optional<BoardView> seen;    ///< in the last set
+  std::optional<BoardView> seen;       ///< in the last set
   std::optional<BoardExposure> light;  ///< of the last view
-  int views = 0;                    ///< kept
-  int shared_views = 0;             ///< of them, those of boards that another camera saw at the same time
-  int tilted_views = 0;             ///< of them, those in which the board was turned away by some 25 degrees
+  int views = 0;                       ///< kept
+  int shared_views = 0;                ///< of them, those of boards that another camera saw at the same time
+  int tilted_views = 0;  ///< of them, those in which the board was turned away by some 25 degrees
   BoardCoverage coverage;
   double share = 0;  ///< 0 to 1: of what is wanted of it
 
@@ -57,7 +57,7 @@ class BoardCollector {
   BoardCollector(const Board& board, const std::vector<std::pair<std::string, ImageSize>>& cameras,
                  const Options& options);
 
-  /// Looks for the board in a set, a image each in the cameras' order, and keeps what is worth it. Images
+  /// Looks for the board in a set, an image each in the cameras' order, and keeps what is worth it. Images
   /// that are missing or of another size are passed over. \return whether it was kept
   bool add(const LiveSet& set);
   /// The last set shows the board where the world is to be. \return its number for CalibrationOptions; none

@@ -10,12 +10,12 @@
 
 namespace airclay {
 
-/// The cells of a image, an eighth of its width across and square, in which a corner was seen.
+/// The cells of an image, an eighth of its width across and square, in which a corner was seen.
 class BoardCoverage {
  public:
   static constexpr int kColumns = 8;
 
-  /// \pre size is that of a image
+  /// \pre size is that of an image
   explicit BoardCoverage(ImageSize size);
 
   void add(const Vec2& pixel);

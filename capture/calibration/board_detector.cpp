@@ -75,7 +75,7 @@ std::vector<int> groupsOf(const std::vector<SeenMarker>& markers) {
 }
 
 std::optional<PlaneToImage> planeThrough(const std::vector<cv::Point2f>& from,
-                                           const std::vector<cv::Point2f>& to) {
+                                         const std::vector<cv::Point2f>& to) {
   if (from.size() < 4) return std::nullopt;
   const cv::Mat matrix = cv::findHomography(from, to);
   return matrix.empty() ? std::nullopt : std::optional(PlaneToImage(cv::Matx33d(matrix)));
@@ -245,7 +245,7 @@ void BoardDetector::Parts::findBesideCorners(const GreyImage& image, Corners& co
       std::optional<Vec2>& corner = corners[static_cast<std::size_t>(id)];
       if (corner) continue;
       corner = findCorner(image, {plane->at(inSquares(id)) + off, plane->slopeAt(inSquares(id)),
-                                    board().blackBefore(id), whiteMargin()});
+                                  board().blackBefore(id), whiteMargin()});
       if (corner) next.push_back(id);
     }
   }
@@ -299,7 +299,7 @@ std::optional<BoardView> BoardDetector::find(ImageSize size, PixelFormat form,
                                              std::span<const std::uint8_t> pixels) const {
   const std::size_t wanted = std::size_t(size.width) * std::size_t(size.height) * std::size_t(form);
   if (size.width < 1 || size.height < 1 || pixels.size() != wanted)
-    throw Error("a image of " + std::to_string(size.width) + " x " + std::to_string(size.height) +
+    throw Error("an image of " + std::to_string(size.width) + " x " + std::to_string(size.height) +
                 " pixels was given " + std::to_string(pixels.size()) + " bytes");
   const bool is_grey = form == PixelFormat::kGrey8;
   // OpenCV only reads from it, but has no constant matrix over foreign memory.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Finds a calibration board in a image, its inner corners to a few hundredths of a pixel.
+// Finds a calibration board in an image, its inner corners to a few hundredths of a pixel.
 #pragma once
 
 #include <memory>

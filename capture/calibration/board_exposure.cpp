@@ -95,7 +95,7 @@ std::optional<Vec2> besideEdge(const std::map<int, Vec2>& corners, const Board& 
 }  // namespace
 
 std::optional<BoardExposure> boardExposure(const Board& board, const BoardView& view, ImageSize size,
-                                     std::span<const std::uint8_t> bgr) {
+                                           std::span<const std::uint8_t> bgr) {
   if (size.width < 2 || size.height < 2) return std::nullopt;
   const Grey grey(size, bgr);
   std::map<int, Vec2> corners;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How sharp and how well lit a board stands in a image.
+// How sharp and how well lit a board stands in an image.
 #pragma once
 
 #include <optional>
@@ -20,6 +20,6 @@ struct BoardExposure {
 /// Measured at the squares' edges between neighbouring corners of a view. \pre bgr: 3 bytes a pixel, rows
 /// from the top. None when no two neighbours are there, or no contrast.
 std::optional<BoardExposure> boardExposure(const Board& board, const BoardView& view, ImageSize size,
-                                     std::span<const std::uint8_t> bgr);
+                                           std::span<const std::uint8_t> bgr);
 
 }  // namespace airclay

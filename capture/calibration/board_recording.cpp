@@ -121,7 +121,7 @@ std::string describeBoard(const Board& board) {
          board.dictionary;
 }
 
-/// What markers a image shows, of any dictionary, inverted or not: a half sentence, empty without any.
+/// What markers an image shows, of any dictionary, inverted or not: a half sentence, empty without any.
 std::string markersIn(const cv::Mat& grey) {
   std::string seen;
   std::size_t most = 3;  // fewer may be chance

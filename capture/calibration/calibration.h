@@ -55,7 +55,7 @@ struct CameraQuality {
   int corners = 0;       ///< used
   int dropped = 0;       ///< corners that no pose of the board explains, of these views and of others
   double rms_px = 0;     ///< of the used corners' distances from where the rig projects them
-  double coverage = 0;  ///< share of the image, in cells of an eighth of its width, where a corner was seen
+  double coverage = 0;   ///< share of the image, in cells of an eighth of its width, where a corner was seen
   std::string bare_sides;  ///< of the image, where hardly any was: "left, top"
   double focal_sigma = 0;  ///< standard deviation of the focal length, relative to it
 };

@@ -97,7 +97,7 @@ struct LensTask {
   double done = 0;  ///< as in AdjustOptions
 };
 
-/// Whether light arrives at the whole of a image of width x height pixels: the model does not turn before
+/// Whether light arrives at the whole of an image of width x height pixels: the model does not turn before
 /// its corners (or 85 degrees from the axis, where a fisheye lens may end).
 bool reachesCorners(const Lens& lens, int width, int height);
 

@@ -106,28 +106,30 @@ CameraQuality qualityOf(const Bundle& bundle, int camera, Calibration& calibrati
 }
 
 void warnOfCamera(const CameraQuality& quality, const std::string& name, std::vector<std::string>& warnings) {
-  const auto printWarning = [&](const std::string& text) { warnings.push_back("camera \"" + name + "\": " + text); };
+  const auto printWarning = [&](const std::string& text) {
+    warnings.push_back("camera \"" + name + "\": " + text);
+  };
   if (quality.views < kFewViews)
     printWarning("only " + std::to_string(quality.views) +
-         " views of the board are of use; wave it longer before it");
+                 " views of the board are of use; wave it longer before it");
   if (quality.coverage < kPoorCoverage)
     printWarning("the board was seen in " + percent(quality.coverage) +
-         " of its image; bring it nearer, and to the edges" +
-         (quality.bare_sides.empty() ? "" : ": " + quality.bare_sides));
+                 " of its image; bring it nearer, and to the edges" +
+                 (quality.bare_sides.empty() ? "" : ": " + quality.bare_sides));
   if (quality.rms_px > kHighRms_px)
     printWarning("corners are off by " + twoDigits(quality.rms_px) +
-         " px; a flat, stiff board, moved more slowly in more light, would be better");
+                 " px; a flat, stiff board, moved more slowly in more light, would be better");
   if (10 * quality.dropped > quality.corners + quality.dropped)
     printWarning(
         percent(static_cast<double>(quality.dropped) / (quality.corners + quality.dropped)) +
         " of its corners fit nothing and were dropped; is the board flat, sharp and the one that was named?");
   if (quality.focal_sigma > kPoorFocal)
     printWarning("its focal length is hardly known" +
-         (std::isfinite(quality.focal_sigma) ? " (to " + percent(quality.focal_sigma) + ")" : "") +
-         "; tilt the board by 30 degrees and more to all sides, near and far");
+                 (std::isfinite(quality.focal_sigma) ? " (to " + percent(quality.focal_sigma) + ")" : "") +
+                 "; tilt the board by 30 degrees and more to all sides, near and far");
   if (quality.shared_views < kFewShared)
     printWarning("it shares only " + std::to_string(quality.shared_views) +
-         " views of the board with other cameras; hold it where two of them see it at once");
+                 " views of the board with other cameras; hold it where two of them see it at once");
 }
 
 void warnOfRange(const Rig& rig, std::vector<std::string>& warnings) {

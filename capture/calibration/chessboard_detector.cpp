@@ -77,7 +77,7 @@ std::optional<BoardView> findChessboard(const Board& board, const GreyImage& ima
   std::vector<cv::Point2f> corners;
   const cv::Size size(board.cornersX(), board.cornersY());
   // One threshold for the whole image first, then one for each neighbourhood. Both at once, OpenCV's usual
-  // choice, takes seconds over a image of a board with other numbers of squares.
+  // choice, takes seconds over an image of a board with other numbers of squares.
   if (!cv::findChessboardCorners(grey, size, corners, cv::CALIB_CB_NORMALIZE_IMAGE) &&
       !cv::findChessboardCorners(grey, size, corners, cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_FAST_CHECK))
     return std::nullopt;

@@ -319,12 +319,13 @@ bool warnOfLenses(Bundle bundle, Calibration& found) {
     if (std::abs(change) > std::max(kSameFocal, 4 * sigmas[c])) {
       other_lens = true;
       printWarning("its images are like those of a focal length " + fixed(100 * std::abs(change), 1) + " % " +
-           (change > 0 ? "longer" : "shorter") +
-           ", so its zoom or focus was changed; `airclay calibrate` finds its lens anew");
+                   (change > 0 ? "longer" : "shorter") +
+                   ", so its zoom or focus was changed; `airclay calibrate` finds its lens anew");
     } else if (found.cameras[c].rms_px > kHighRms_px) {
-      printWarning("corners are off by " + fixed(found.cameras[c].rms_px, 2) +
-           " px; where its zoom or focus was changed, `airclay calibrate` finds its lens anew, otherwise a "
-           "flat, stiff board, moved more slowly in more light, would be better");
+      printWarning(
+          "corners are off by " + fixed(found.cameras[c].rms_px, 2) +
+          " px; where its zoom or focus was changed, `airclay calibrate` finds its lens anew, otherwise a "
+          "flat, stiff board, moved more slowly in more light, would be better");
     }
   }
   return other_lens;
@@ -360,9 +361,9 @@ void checkSameCameras(const Rig& rig, const std::vector<CameraViews>& cameras) {
   for (const CameraViews& views : cameras)
     for (const Camera& camera : rig.cameras)
       if (views.name == camera.name && (views.width != camera.width || views.height != camera.height))
-        throw Error("camera \"" + camera.name + "\": its images are " + std::to_string(views.width) +
-                    " x " + std::to_string(views.height) + " pixels, the rig's " +
-                    std::to_string(camera.width) + " x " + std::to_string(camera.height) +
+        throw Error("camera \"" + camera.name + "\": its images are " + std::to_string(views.width) + " x " +
+                    std::to_string(views.height) + " pixels, the rig's " + std::to_string(camera.width) +
+                    " x " + std::to_string(camera.height) +
                     "; images of the size that the rig was calibrated for would be right");
 }
 

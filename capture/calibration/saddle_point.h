@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where two edges of a chessboard cross in a image, to a few hundredths of a pixel.
+// Where two edges of a chessboard cross in an image, to a few hundredths of a pixel.
 #pragma once
 
 #include <cstdint>

@@ -64,7 +64,7 @@ class RunningSource : public CameraSource {
     const double arrival_s = secondsNow();
     capture_s = captureTime(arrival_s);
     if (!video_.retrieve(decoded) || decoded.empty() || decoded.type() != CV_8UC3)
-      throw Error(where(camera_) + "a image cannot be decoded; 8-bit colour would be right");
+      throw Error(where(camera_) + "an image cannot be decoded; 8-bit colour would be right");
     image.size = {decoded.cols, decoded.rows};
     if (image.size != size_)
       throw Error(where(camera_) + "the image's size changed to " + std::to_string(decoded.cols) + " x " +

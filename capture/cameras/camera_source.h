@@ -17,7 +17,7 @@ namespace airclay {
 enum class SourceKind {
   kDevice,    ///< 0, /dev/video0: Video4Linux (untested on hardware: where this was written there was none)
   kVideo,     ///< a video file, played at its own rate
-  kImages,  ///< a folder of numbered images, or a pattern as img_%04d.png
+  kImages,    ///< a folder of numbered images, or a pattern as img_%04d.png
   kStream,    ///< rtsp://…, http://… (also MJPEG, as telephones serve it), tcp://…, udp://…
   kPipeline,  ///< GStreamer: "gst: videotestsrc", or any words with a '!' between them
 };

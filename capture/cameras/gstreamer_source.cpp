@@ -157,7 +157,7 @@ class GStreamerSource : public CameraSource {
     const GObjectPtr<GstBus> bus(gst_element_get_bus(pipeline_.get()));
     while (!stopped_ && secondsNow() < until_s) {
       if (GObjectPtr<GstSample> sample{gst_app_sink_try_pull_sample(GST_APP_SINK(images_.get()),
-                                                              GstClockTime(kLookAgainS * GST_SECOND))})
+                                                                    GstClockTime(kLookAgainS * GST_SECOND))})
         return sample;
       const GObjectPtr<GstMessage> message(
           gst_bus_pop_filtered(bus.get(), GstMessageType(GST_MESSAGE_ERROR | GST_MESSAGE_EOS)));
@@ -196,7 +196,7 @@ class GStreamerSource : public CameraSource {
                   std::to_string(info.height) + "; one size throughout would be right");
     GstVideoFrame frame;
     if (!gst_video_frame_map(&frame, &info, gst_sample_get_buffer(sample), GST_MAP_READ))
-      throw Error(where_ + "a image cannot be read");
+      throw Error(where_ + "an image cannot be read");
     const std::size_t row = 3 * std::size_t(info.width);
     image.bgr.resize(row * std::size_t(info.height));
     const auto* const pixels = static_cast<const std::uint8_t*>(GST_VIDEO_FRAME_PLANE_DATA(&frame, 0));

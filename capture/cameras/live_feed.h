@@ -25,9 +25,9 @@ struct Feed {
   TimeOrigin times = TimeOrigin::kArrival;
 
   CameraState camera_problem = CameraState::kLive;  ///< kLost, kReconnecting, kEnded, or none
-  bool done = false;                         ///< its thread has ended
-  CameraSource* reading = nullptr;           ///< what its thread reads from now
-  std::deque<Kept> kept;                     ///< images whose frames wait in the matcher
+  bool done = false;                                ///< its thread has ended
+  CameraSource* reading = nullptr;                  ///< what its thread reads from now
+  std::deque<Kept> kept;                            ///< images whose frames wait in the matcher
   std::uint64_t frames = 0, gaps = 0;
   int opened = 0;
   double opened_s = 0;

@@ -46,8 +46,7 @@ bool LiveRecording::readImages(int frame, Buffers bgr) {
   missing_cameras_ = 0;
   for (std::size_t c = 0; c < bgr.size(); ++c) {
     const std::vector<std::uint8_t>& image = set->images[c].bgr;
-    const bool there =
-        image.size() == bgr[c].size();  // another size: it was opened again as something else
+    const bool there = image.size() == bgr[c].size();  // another size: it was opened again as something else
     if (there)
       std::copy(image.begin(), image.end(), bgr[c].begin());
     else

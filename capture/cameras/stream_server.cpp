@@ -21,7 +21,7 @@
 namespace airclay {
 namespace {
 
-// How long a camera's thread waits for a image before it looks at its state.
+// How long a camera's thread waits for an image before it looks at its state.
 constexpr double kWaitS = 0.1;
 // Whole images: somebody who comes waits half as long as this, on average.
 constexpr double kFullFrameEveryS = 0.5;
@@ -155,7 +155,7 @@ class ServedCamera {
   CameraStatus status_;
   bool ended_ = false;
   GObjectPtr<GstAppSrc> images_;  ///< none: nobody watches
-  GstClockTime last_ = 0;     ///< the next image's least time
+  GstClockTime last_ = 0;         ///< the next image's least time
   std::uint64_t streamed_ = 0;
 };
 

@@ -25,9 +25,9 @@ struct StreamStatus {
   std::uint64_t streamed = 0;  ///< images that were coded for those who watched
 };
 
-/// Streams cameras until it ends. A image is coded once for all who watch, without B frames, and a whole
+/// Streams cameras until it ends. An image is coded once for all who watch, without B frames, and a whole
 /// one twice a second, so that who comes later sees it soon. RTP times are capture times. The streams go over
-/// TCP alone (interleaved in RTSP): a image is whole or missing, not smeared. Who reads too slowly loses
+/// TCP alone (interleaved in RTSP): an image is whole or missing, not smeared. Who reads too slowly loses
 /// images; no queue grows without bound. A camera that is lost is opened again
 /// once a second; till then whoever asks for it is told that the service is unavailable, and the others go
 /// on.

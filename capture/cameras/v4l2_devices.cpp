@@ -61,8 +61,8 @@ void addModes(const Node& node, unsigned format, std::vector<V4l2Mode>& modes) {
   for (; entry.index < kMostEntries && node.ask(VIDIOC_ENUM_FRAMESIZES, entry); ++entry.index) {
     const bool discrete = entry.type == V4L2_FRMSIZE_TYPE_DISCRETE;
     const ImageSize size = discrete
-                                 ? ImageSize{int(entry.discrete.width), int(entry.discrete.height)}
-                                 : ImageSize{int(entry.stepwise.max_width), int(entry.stepwise.max_height)};
+                               ? ImageSize{int(entry.discrete.width), int(entry.discrete.height)}
+                               : ImageSize{int(entry.stepwise.max_width), int(entry.stepwise.max_height)};
     modes.push_back({letters, size, ratesOf(node, format, size)});
     if (!discrete) break;  // a range: its largest is said
   }

@@ -118,7 +118,7 @@ ImageSize imageSize(const std::filesystem::path& file) {
 }
 
 void readImage(const std::filesystem::path& file, ImageSize size, PixelFormat form,
-                 std::span<std::uint8_t> pixels) {
+               std::span<std::uint8_t> pixels) {
   quietOpenCv();
   const Bytes bytes = readBytes(file);
   const ImageSize found = frameSize(bytes, file);
@@ -142,7 +142,7 @@ void readImage(const std::filesystem::path& file, ImageSize size, PixelFormat fo
 void writePng(const std::filesystem::path& file, ImageSize size, std::span<const std::uint8_t> rgba) {
   if (size.width < 1 || size.height < 1 ||
       rgba.size() != static_cast<size_t>(size.width) * static_cast<size_t>(size.height) * 4)
-    throw Error(file.string() + ": a image of " + text(size) + " pixels was given " +
+    throw Error(file.string() + ": an image of " + text(size) + " pixels was given " +
                 std::to_string(rgba.size()) + " bytes");
   // OpenCV only reads from it, but has no constant matrix over foreign memory.
   const cv::Mat image(size.height, size.width, CV_8UC4, const_cast<std::uint8_t*>(rgba.data()));

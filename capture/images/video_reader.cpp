@@ -43,9 +43,8 @@ class VideoSource : public FrameSource {
     cv::Mat image = target;  // the decoder writes into it when size and type are as they should be
     if (!video_.retrieve(image)) failAt(frame, frame_count_);
     if (image.size() != target.size() || image.type() != target.type())
-      throw Error(file_.string() + ": frame " + std::to_string(frame) + " is " +
-                  std::to_string(image.cols) + " x " + std::to_string(image.rows) +
-                  " pixels; one size throughout would be right");
+      throw Error(file_.string() + ": frame " + std::to_string(frame) + " is " + std::to_string(image.cols) +
+                  " x " + std::to_string(image.rows) + " pixels; one size throughout would be right");
     if (image.data != target.data) image.copyTo(target);
   }
 

@@ -60,7 +60,7 @@ void VideoWriter::write(std::span<const std::uint8_t> pixels) {
     throw std::logic_error("VideoWriter: the image is not of the video's size and form");
   // OpenCV only reads from it, but has no constant matrix over foreign memory.
   const cv::Mat image(size.height, size.width, is_bgr ? CV_8UC3 : CV_8UC4,
-                        const_cast<std::uint8_t*>(pixels.data()));
+                      const_cast<std::uint8_t*>(pixels.data()));
   if (!is_bgr) cv::cvtColor(image, parts_->bgr, cv::COLOR_RGBA2BGR);
   parts_->video.write(is_bgr ? image : parts_->bgr);
   ++parts_->frame_count;

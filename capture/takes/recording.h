@@ -34,7 +34,7 @@ class Recording {
 
   /// How many first frames show the empty workspace: 0 where background images or masks make them needless.
   virtual int backgroundFrames() const = 0;
-  virtual bool hasImages() const { return true; }      ///< else there are masks alone
+  virtual bool hasImages() const { return true; }        ///< else there are masks alone
   virtual bool hasSilhouettes() const { return false; }  ///< masks to be used instead of segmentation
   virtual bool hasBackground() const { return false; }   ///< images of the empty workspace
 
@@ -56,7 +56,7 @@ class Recording {
   /// while: the end is where frameCount() says it, at first nowhere.
   virtual bool isLive() const { return false; }
   virtual std::optional<Clock::time_point> capturedAt() const { return std::nullopt; }
-  /// Bits of the cameras without a image of that instant.
+  /// Bits of the cameras without an image of that instant.
   virtual std::uint32_t missingCameras() const { return 0; }
   /// What is wrong with the cameras now, a few words each: "left: frozen".
   virtual std::vector<std::string> camera_problems() const { return {}; }

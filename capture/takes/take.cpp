@@ -265,7 +265,7 @@ void Take::readBackground(Buffers bgr) const {
   for (size_t i = 0; i < parts_->rig.cameras.size(); ++i) {
     const Camera& camera = parts_->rig.cameras[i];
     readImage(parts_->folder / "background" / (camera.name + ".png"), sizeOf(camera), PixelFormat::kBgr8,
-                bgr[i]);
+              bgr[i]);
   }
 }
 

@@ -44,7 +44,7 @@ class Take : public Recording {
   /// As timestamps.csv says them.
   std::vector<double> cameraTimesOf(int frame) const override;
 
-  bool hasImages() const override;     ///< videos or image folders; else there are masks alone
+  bool hasImages() const override;       ///< videos or image folders; else there are masks alone
   bool hasSilhouettes() const override;  ///< masks to be used as they are, instead of segmentation
   bool hasBackground() const override;   ///< images of the empty workspace
   /// How many first frames show the empty workspace: 0 where background images or masks make them needless.

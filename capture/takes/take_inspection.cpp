@@ -189,7 +189,7 @@ class Look {
     std::vector<RgbaImage> shots(std::size_t(std::max(empty, 1)), RgbaImage(bytesOf(camera)));
     if (empty == 0)
       readImage(folder_ / "background" / (camera.name + ".png"), sizeOf(camera), PixelFormat::kBgr8,
-                  shots[0]);
+                shots[0]);
     for (int frame = 0; frame < empty; ++frame) frames_[index]->read(frame, shots[std::size_t(frame)]);
     return learnBackgroundReference(shots);
   }

@@ -21,6 +21,7 @@ struct TakeInspection {
 /// Looks for the rig's cameras in a take's folder, gives those without a size that of their images, and
 /// takes silhouettes: the folder's masks, else by segmentation (silhouette.h's reference, no device is
 /// needed). \throw Error when there is no such folder.
-TakeInspection inspectTake(const std::filesystem::path& folder, Rig& rig, const TakeInspectionOptions& options = {});
+TakeInspection inspectTake(const std::filesystem::path& folder, Rig& rig,
+                           const TakeInspectionOptions& options = {});
 
 }  // namespace airclay

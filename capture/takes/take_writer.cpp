@@ -157,7 +157,7 @@ void TakeWriter::Parts::run() {
 
 void TakeWriter::Parts::writeSet(const TakenSet& set, int frame) {
   checkRoom(frame);
-  // All cameras at once: one core codes four of 640 x 480 at 30 Hz with little to spare (3 ms a image).
+  // All cameras at once: one core codes four of 640 x 480 at 30 Hz with little to spare (3 ms an image).
   std::vector<std::future<void>> writing;
   for (std::size_t c = 0; c < set.bytes.size(); ++c)
     writing.push_back(std::async(std::launch::async, [&, c] { writeImage(c, set.bytes[c], frame); }));

@@ -86,7 +86,7 @@ Camera cameraFromEntry(const CameraEntry& entry, const std::string& where);
 
 /// More cameras than this in one rig is a mistaken file.
 inline constexpr int kMaxCameras = 32;
-/// Images are at least this wide and high, in pixels, and at most this: 0.8 GB a image.
+/// Images are at least this wide and high, in pixels, and at most this: 0.8 GB an image.
 inline constexpr int kMinImageSide = 16, kMaxImageSide = 16384;
 
 /// How rotations are written: three numbers (Rodrigues), as every program reads them; or as matrices, which
@@ -98,7 +98,7 @@ void writeRig(const std::filesystem::path& file, const Rig& rig,
               WrittenRotations rotations = WrittenRotations::kRodrigues);
 
 /// \throw Error with the reason when the rig cannot be real: fewer than two cameras or more than kMaxCameras;
-/// two of one name; NaN; a focal length or a image's size out of bounds; a rotation that is none; a camera
+/// two of one name; NaN; a focal length or an image's size out of bounds; a rotation that is none; a camera
 /// inside the cube; two cameras within edge/100 of each other; one farther than 1,000 edges; a camera that
 /// sees nothing of the cube. `file` is named in the message.
 void checkRig(const Rig& rig, const std::filesystem::path& file);

@@ -10,7 +10,7 @@
 namespace airclay {
 
 enum class Severity {
-  kFault,      ///< such a rig is refused
+  kFault,    ///< such a rig is refused
   kWarning,  ///< it may be meant, but is more often a mistake
 };
 

@@ -107,8 +107,7 @@ void readSize(const Entry& entry, CameraEntry& camera) {
   const std::vector<double> size = entry.numbers("size", form);
   if (size.size() != 2) entry.fail("size", form);
   for (const double side : size)
-    if (side != std::floor(side) || side < kMinImageSide || side > kMaxImageSide)
-      entry.fail("size", form);
+    if (side != std::floor(side) || side < kMinImageSide || side > kMaxImageSide) entry.fail("size", form);
   camera.width = static_cast<int>(size[0]);
   camera.height = static_cast<int>(size[1]);
 }

@@ -50,7 +50,7 @@ constexpr const char* kHasTurns = "SELECT count(*) FROM pragma_table_info('entry
 constexpr std::pair<SubdivisionRule, const char*> kRules[] = {
     {SubdivisionRule::kCatmullClark, "catmull-clark"}, {SubdivisionRule::kPrinted, "printed"}};
 constexpr std::pair<SolveMethod, const char*> kSolves[] = {{SolveMethod::kAll, "all"},
-                                                         {SolveMethod::kTouched, "touched"}};
+                                                           {SolveMethod::kTouched, "touched"}};
 
 template <class Value, std::size_t n>
 std::string wordOf(const std::pair<Value, const char*> (&words)[n], Value value) {

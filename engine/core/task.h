@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Work that takes long says how far it is, and can be cancelled.
 //
-// Loops that may run for seconds (subdividing, reading and writing meshes, factorizing) call reportProgress().
-// Whoever wants to know puts a Task in place on the thread that does the work; otherwise nothing happens.
+// Loops that may run for seconds (subdividing, reading and writing meshes, factorizing) call
+// reportProgress(). Whoever wants to know puts a Task in place on the thread that does the work; otherwise
+// nothing happens.
 #pragma once
 
 #include <cstddef>

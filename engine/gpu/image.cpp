@@ -56,7 +56,7 @@ Image::Image(Gpu& gpu, ImageKind kind, std::uint32_t width, std::uint32_t height
   samples_ = samples;
   const std::uint32_t most = gpu.limits().maxImageDimension2D;
   if (width == 0 || height == 0 || width > most || height > most)
-    throw Error("a image of " + std::to_string(width) + " x " + std::to_string(height) +
+    throw Error("an image of " + std::to_string(width) + " x " + std::to_string(height) +
                     " pixels cannot be drawn on " + gpu.info().name + "; 1 to " + std::to_string(most) +
                     " along each side would be right",
                 Fault::kDevice);
@@ -131,7 +131,7 @@ void copyImage(Recorder& recorder, Image& from, Image& to) {
 
 void copyToBuffer(Recorder& recorder, Image& image, const RawBuffer& buffer, std::uint64_t offset) {
   if (offset + 4ull * image.width() * image.height() > buffer.bytes())
-    throw Error("a image is larger than the buffer that it is copied to", Fault::kDevice);
+    throw Error("an image is larger than the buffer that it is copied to", Fault::kDevice);
   VkCommandBuffer commands = recorder.commandsFor("copy image", {{buffer.address(), false, true}});
   image.transition(commands, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, true);
   VkBufferImageCopy region{};

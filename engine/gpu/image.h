@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A image in the device's memory that is drawn into, owned by value.
+// An image in the device's memory that is drawn into, owned by value.
 #pragma once
 
 #include "engine/gpu/buffer.h"
@@ -30,7 +30,7 @@ inline constexpr std::uint32_t kSamples = 4;
 class Image {
  public:
   Image() = default;
-  /// \throw Error (Fault::kDevice) when the device cannot hold a image this large.
+  /// \throw Error (Fault::kDevice) when the device cannot hold an image this large.
   Image(Gpu& gpu, ImageKind kind, std::uint32_t width, std::uint32_t height, std::uint32_t samples = 1);
   Image(Image&& other) noexcept { swap(other); }
   Image& operator=(Image&& other) noexcept {

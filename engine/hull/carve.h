@@ -86,7 +86,7 @@ bool isEdgePoint(const Rig& rig, const std::vector<Mask>& masks, const Vec3& poi
 std::vector<std::uint8_t> edgeVoxels(const Rig& rig, const std::vector<Mask>& masks, int voxels,
                                      double pixels);
 
-/// Float and double put a voxel's centre at most this far apart in a image of some hundred pixels.
+/// Float and double put a voxel's centre at most this far apart in an image of some hundred pixels.
 inline constexpr double kEdgePixels = 0.01;
 
 /// The figures of a grid: every voxel by itself, in double precision.

@@ -212,8 +212,8 @@ std::vector<SilhouetteAgreement> silhouetteAgreement(const Rig& rig, std::span<c
 }
 
 std::vector<RigDiagnostic> silhouetteDiagnostics(const Rig& rig, std::span<const MaskSet> instants,
-                                           std::span<const SilhouetteAgreement> agreement,
-                                           SilhouetteSource trust) {
+                                                 std::span<const SilhouetteAgreement> agreement,
+                                                 SilhouetteSource trust) {
   double pixels = 0, in_cube = 0;
   for (std::size_t i = 0; i < agreement.size(); ++i) {
     pixels += double(agreement[i].pixels);

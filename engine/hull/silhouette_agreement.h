@@ -35,7 +35,7 @@ enum class SilhouetteSource { kKnown, kAssumed };
 /// is found, which camera, which two exchanged ones or which other reading of units, axes and poses it is due
 /// to. Fewer than 3 of 10 pixels explained are a fault, where the silhouettes are to be trusted.
 std::vector<RigDiagnostic> silhouetteDiagnostics(const Rig& rig, std::span<const MaskSet> instants,
-                                           std::span<const SilhouetteAgreement> agreement,
-                                           SilhouetteSource trust = SilhouetteSource::kKnown);
+                                                 std::span<const SilhouetteAgreement> agreement,
+                                                 SilhouetteSource trust = SilhouetteSource::kKnown);
 
 }  // namespace airclay

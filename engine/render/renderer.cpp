@@ -56,7 +56,7 @@ Vec3 keyDirection(const View& view) {
 Renderer::Renderer(Gpu& gpu, const RendererOptions& options) : gpu_(gpu), options_(options) {
   if (options.width < 1 || options.height < 1 ||
       std::max(options.width, options.height) > RendererOptions::kMaxImage)
-    throw Error("a image of " + std::to_string(options.width) + " x " + std::to_string(options.height) +
+    throw Error("an image of " + std::to_string(options.width) + " x " + std::to_string(options.height) +
                 " pixels cannot be drawn; 1 to " + std::to_string(RendererOptions::kMaxImage) +
                 " along each side would be right");
   const auto width = static_cast<std::uint32_t>(options.width),

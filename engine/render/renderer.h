@@ -31,7 +31,7 @@ struct RenderVoxelArgs;
 // ----------------------------------------------------------------------------------------------------------
 // views
 
-/// Where a image is taken from: a pinhole camera.
+/// Where an image is taken from: a pinhole camera.
 struct View {
   Pose camera_from_workspace = Pose::Identity();  ///< OpenCV's axes: x right, y down, z forward
   double vertical_fov_rad = 0.5;
@@ -153,7 +153,7 @@ struct SceneStrokes {
   std::vector<Vec3> own_points;                    ///< when `points` is not given
   Pose workspace_from_strokes = Pose::Identity();
   vec3 color = vec3(0.02f, 0.02f, 0.025f);
-  double width_px = 2;  ///< at a image 720 pixels high; the dots' diameter
+  double width_px = 2;  ///< at an image 720 pixels high; the dots' diameter
   double hidden = 0;    ///< how much of it shows through what is before it
   bool dots = false;
 };
@@ -179,7 +179,7 @@ struct SceneCapsule {
 /// The skeleton in its rest pose: links and joint balls.
 std::vector<SceneCapsule> skeletonCapsules(const HandModel& hand, const Pose& workspace_from_hand);
 
-/// What is in a image. What is pointed to must live until the recorded work is done.
+/// What is in an image. What is pointed to must live until the recorded work is done.
 struct Scene {
   Workspace workspace;
   std::vector<SceneMesh> meshes;
@@ -202,7 +202,7 @@ struct RendererOptions {
   int shadow_taps = 64;            ///< of the soft shadow's kernel
   int ground_vertices = 64;        ///< along an edge: the ground's light is found at these
   bool readback = true;            ///< pixels() is wanted; else a window copies image()
-  /// A image is divided where about so many triangles have been drawn, so that none of its submissions is
+  /// An image is divided where about so many triangles have been drawn, so that none of its submissions is
   /// long; 0: it is one submission.
   std::uint32_t triangles_a_piece = 0;
 

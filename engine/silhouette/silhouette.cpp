@@ -26,8 +26,8 @@ std::vector<std::uint32_t> constants(const GpuRig& rig) {
 }  // namespace
 
 std::uint32_t largestHole(int image_width) {
-  return std::max<std::uint32_t>(
-      4, static_cast<std::uint32_t>(100LL * image_width * image_width / (640 * 640)));
+  return std::max<std::uint32_t>(4,
+                                 static_cast<std::uint32_t>(100LL * image_width * image_width / (640 * 640)));
 }
 
 Silhouettes::Silhouettes(Gpu& gpu, const GpuRig& rig)

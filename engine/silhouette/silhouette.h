@@ -67,7 +67,7 @@ class Silhouettes {
   bool learned_ = false;
 };
 
-/// Holes of up to this many pixels are closed: 100 in a image 640 wide, about 15 x 15 mm at a metre; the
+/// Holes of up to this many pixels are closed: 100 in an image 640 wide, about 15 x 15 mm at a metre; the
 /// ring of thumb and forefinger is larger.
 std::uint32_t largestHole(int image_width);
 
@@ -85,7 +85,7 @@ std::vector<BackgroundPixel> learnBackgroundReference(const std::vector<std::vec
 /// How far a pixel differs from the background, in units of what may differ by chance (silhouette_io.h).
 double scoreReference(const Vec3& seen, const BackgroundPixel& background);
 
-/// The mask from a image's scores: at least 1, and not the smear of an edge (EdgeArgs in silhouette_io.h).
+/// The mask from an image's scores: at least 1, and not the smear of an edge (EdgeArgs in silhouette_io.h).
 Mask edgesReference(int width, int height, const std::vector<double>& scores);
 
 Mask majorityReference(const Mask& mask);

@@ -422,8 +422,7 @@ StageTiming timeFrame(Scene& scene, int voxels) {
     const Buffer<std::uint32_t>& images = scene.cameras.draw(frame);
     for (std::size_t c = 0; c < scene.rig.cameras.size(); ++c) {
       const std::span<std::uint8_t> image = pipeline.image(c);
-      std::memcpy(image.data(), images.host().data() + scene.gpu_rig.camera(c).image_words,
-                  image.size());
+      std::memcpy(image.data(), images.host().data() + scene.gpu_rig.camera(c).image_words, image.size());
     }
   };
   std::vector<double> gpu_ms, wall_ms;

@@ -14,7 +14,8 @@ READ_WRITE_POINTER(ReadWriteDoubles, double)
 // Workgroup size of solve_apply.
 const uint kSolveWorkgroup = 64;
 
-// solve_project: Aᵀ r, one workgroup a control point. Column j's weights and their data points stand from column_starts[j] up to column_starts[j + 1].
+// solve_project: Aᵀ r, one workgroup a control point. Column j's weights and their data points stand from
+// column_starts[j] up to column_starts[j + 1].
 struct SolveProjectArgs {
   ReadVec3s displacements;  // one a data point, metres
   ReadUints column_starts;
@@ -23,8 +24,8 @@ struct SolveProjectArgs {
   WriteDoubles projected;  // x y z of each control point
 };
 
-// solve_apply: p += (AᵀA)⁺ of that, one invocation a control point. The exact positions are what is kept from frame to frame; the
-// rounded ones are what the surface is evaluated from.
+// solve_apply: p += (AᵀA)⁺ of that, one invocation a control point. The exact positions are what is kept from
+// frame to frame; the rounded ones are what the surface is evaluated from.
 struct SolveApplyArgs {
   ReadDoubles projected;
   ReadDoubles gram_inverse;  // n x n, symmetric

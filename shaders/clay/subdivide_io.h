@@ -10,7 +10,8 @@ AIRCLAY_IO_BEGIN
 // Workgroup size of both kernels.
 const uint kSubdivideWorkgroup = 64;
 
-// subdivide: one invocation a data point. A is stored by rows: row i's weights and their control points stand from row_starts[i] up to row_starts[i + 1].
+// subdivide: one invocation a data point. A is stored by rows: row i's weights and their control points stand
+// from row_starts[i] up to row_starts[i + 1].
 struct SubdivideArgs {
   ReadVec3s control_points;
   ReadUints row_starts;
@@ -20,7 +21,8 @@ struct SubdivideArgs {
   uint data_point_count;
 };
 
-// normals: one invocation a data point. The quads that adjoin data point i stand in `quads_at` from quad_starts[i] up to quad_starts[i + 1].
+// normals: one invocation a data point. The quads that adjoin data point i stand in `quads_at` from
+// quad_starts[i] up to quad_starts[i + 1].
 struct NormalsArgs {
   ReadVec3s data_points;
   ReadUints quad_starts;

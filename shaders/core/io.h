@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 // What every *_io.h starts with: the types that GLSL and C++ both know, and typed device pointers.
 //
-// A kernel's arguments are one struct of plain values and pointers, pushed as push constants (at most 128 bytes, all
-// that lavapipe has). A pointer's type says what the kernel does through it: the GLSL compiler refuses a write through Read…,
-// the SPIR-V carries the declaration, and the recorder derives its barriers from it (engine/gpu/recorder.h).
+// A kernel's arguments are one struct of plain values and pointers, pushed as push constants (at most 128
+// bytes, all that lavapipe has). A pointer's type says what the kernel does through it: the GLSL compiler
+// refuses a write through Read…, the SPIR-V carries the declaration, and the recorder derives its barriers
+// from it (engine/gpu/recorder.h).
 #ifndef AIRCLAY_IO_H
 #define AIRCLAY_IO_H
 
@@ -45,12 +46,18 @@ struct DevicePointer {
 
 #define AIRCLAY_IO_BEGIN
 #define AIRCLAY_IO_END
-#define READ_POINTER(Name, T) \
-  layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Name { T at[]; };
-#define WRITE_POINTER(Name, T) \
-  layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer Name { T at[]; };
-#define READ_WRITE_POINTER(Name, T) \
-  layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Name { T at[]; };
+#define READ_POINTER(Name, T)                                                         \
+  layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Name { \
+    T at[];                                                                           \
+  };
+#define WRITE_POINTER(Name, T)                                                         \
+  layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer Name { \
+    T at[];                                                                            \
+  };
+#define READ_WRITE_POINTER(Name, T)                                          \
+  layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Name { \
+    T at[];                                                                  \
+  };
 #define DEFAULT(value)
 
 #endif

@@ -7,12 +7,13 @@
 
 AIRCLAY_IO_BEGIN
 
-// A triangle patch of the skin, about the model's centre of gravity (the origin of the paper's fig. 3), axes of the hand's frame.
+// A triangle patch of the skin, about the model's centre of gravity (the origin of the paper's fig. 3), axes
+// of the hand's frame.
 struct GpuPatch {
-  vec3 center;    // of the triangle, metres
-  float area;     // m²
-  vec3 normal;    // unit, outwards
-  uint cut;       // 1: not skin, but where the forearm continues
+  vec3 center;  // of the triangle, metres
+  float area;   // m²
+  vec3 normal;  // unit, outwards
+  uint cut;     // 1: not skin, but where the forearm continues
 };
 
 READ_POINTER(ReadPatches, GpuPatch)
@@ -23,14 +24,14 @@ const uint kFitOutOfIterations = 2;
 
 // A pose to start from, and what became of it. The centre of gravity's position is in the workspace's frame.
 struct GpuFit {
-  vec4 rotation;  // unit quaternion x y z w: workspace_from_hand
-  vec3 position;  // metres
+  vec4 rotation;           // unit quaternion x y z w: workspace_from_hand
+  vec3 position;           // metres
   float outside_m;         // how far outside the patches are on average, by area
   float outside_fraction;  // share of the patches that are outside
   uint outside_count;
   uint iterations;
   uint outcome;
-  uint tracked;          // 1 when it is to be believed
+  uint tracked;  // 1 when it is to be believed
 };
 
 READ_POINTER(ReadFits, GpuFit)
@@ -44,8 +45,8 @@ struct FitArgs {
   ReadWriteFits fits;
   vec3 field_low;  // the first cell's centre, metres
   float cell_m;
-  vec3 inertia_low;   // of the inertia about the centre of gravity over the mass, hand's frame: xx yy zz (m²)
-  float patch_area;   // all patches
+  vec3 inertia_low;  // of the inertia about the centre of gravity over the mass, hand's frame: xx yy zz (m²)
+  float patch_area;  // all patches
   vec3 inertia_high;  // xy xz yz
   float margin_m;     // a patch begins to be pushed this far inside the surface
   uint field_size[3];
@@ -59,7 +60,7 @@ struct FitChooseArgs {
   ReadHullSums hull;
   WriteFits result;
   uint count;
-  uint min_occupied;    // voxels: less is nobody's hand
+  uint min_occupied;     // voxels: less is nobody's hand
   float lost_outside_m;  // patches farther outside than this on average: the model is not there
 };
 

@@ -2,8 +2,9 @@
 // The voxel model (the paper's fig. 1) in device memory, and the arguments of the kernels that carve it.
 //
 // Voxel (i, j, k) of N³ has its centre at (i + ½, j + ½, k + ½) · edge / N from the workspace's low corner.
-// The model is stored brick by brick: 8³ voxels, each brick empty, full, or mixed. A mixed brick has 16 words: its eight 4³ blocks
-// in turn (x fastest), two words each; bit x + 4 y + 16 z of a block, the low word first.
+// The model is stored brick by brick: 8³ voxels, each brick empty, full, or mixed. A mixed brick has 16
+// words: its eight 4³ blocks in turn (x fastest), two words each; bit x + 4 y + 16 z of a block, the low word
+// first.
 #ifndef AIRCLAY_CARVE_IO_H
 #define AIRCLAY_CARVE_IO_H
 
@@ -11,9 +12,9 @@
 
 AIRCLAY_IO_BEGIN
 
-const uint kBrickVoxels = 8;   // along an edge
-const uint kBlockVoxels = 4;   // along an edge of the smallest block that is classed as a whole
-const uint kTopVoxels = 32;    // along an edge of the largest
+const uint kBrickVoxels = 8;  // along an edge
+const uint kBlockVoxels = 4;  // along an edge of the smallest block that is classed as a whole
+const uint kTopVoxels = 32;   // along an edge of the largest
 const uint kBrickWords = 16;
 
 const uint kBrickEmpty = 0;
@@ -30,7 +31,8 @@ struct MixedBlock {
 READ_POINTER(ReadMixedBlocks, MixedBlock)
 WRITE_POINTER(WriteMixedBlocks, MixedBlock)
 
-// How many mixed blocks there are, and the dispatch that treats their children; one for each size of blocks, 32, 8 and 4.
+// How many mixed blocks there are, and the dispatch that treats their children; one for each size of blocks,
+// 32, 8 and 4.
 const uint kMixedSizes = 3;
 
 struct MixedCount {
@@ -44,7 +46,8 @@ READ_POINTER(ReadMixedCounts, MixedCount)
 WRITE_POINTER(WriteMixedCounts, MixedCount)
 READ_WRITE_POINTER(ReadWriteMixedCounts, MixedCount)
 
-// Volume and centre of gravity in whole numbers, so that the order in which blocks add to them does not matter (hull_sums.glsl).
+// Volume and centre of gravity in whole numbers, so that the order in which blocks add to them does not
+// matter (hull_sums.glsl).
 struct HullSums {
   uint64_t occupied;       // voxels
   uint64_t index_sums[3];  // of x, y, z over them
@@ -54,15 +57,16 @@ READ_POINTER(ReadHullSums, HullSums)
 
 const uint kHullSumWords = 8;  // kernels add words: of each number first the low one
 
-
-// Workgroup size, at most: a software device takes one subgroup, so that its threads can share few blocks evenly.
+// Workgroup size, at most: a software device takes one subgroup, so that its threads can share few blocks
+// evenly.
 const uint kCarveWorkgroup = 64;
 
-// carve_tiles: for each tile of 4 x 4 pixels of each mask whether any, and whether all of its pixels are set; the same for large tiles of 16 x 16,
-// which the topmost blocks look at. A block's rectangle is then a few loads; summed-area tables would cost more to build than they save.
-// An entry is 128 pixels of a row of tiles: `any` in its low word, `all` in its high one, the leftmost tile's bit lowest. Rows of entries come in bands
-// of 16 pixels: four rows of tiles, then one of large tiles.
-// Being the first kernel of a model, it clears what the others count.
+// carve_tiles: for each tile of 4 x 4 pixels of each mask whether any, and whether all of its pixels are set;
+// the same for large tiles of 16 x 16, which the topmost blocks look at. A block's rectangle is then a few
+// loads; summed-area tables would cost more to build than they save. An entry is 128 pixels of a row of
+// tiles: `any` in its low word, `all` in its high one, the leftmost tile's bit lowest. Rows of entries come
+// in bands of 16 pixels: four rows of tiles, then one of large tiles. Being the first kernel of a model, it
+// clears what the others count.
 const uint kTilePixels = 4;
 const uint kLargeTilePixels = 16;
 const uint kEntryPixels = 128;
@@ -91,8 +95,8 @@ struct CarveBlockArgs {
   uint camera_bits;     // those that have a say: at the top
   uint voxels;          // N
   float voxel_m;
-  uint runs_edge;       // runs along x in a parent
-  uint children_edge;   // children along a parent's y and z
+  uint runs_edge;         // runs along x in a parent
+  uint children_edge;     // children along a parent's y and z
   uint next_invocations;  // that a child means for the next kernel
 };
 

@@ -7,12 +7,13 @@
 
 AIRCLAY_IO_BEGIN
 
-// Cells along an edge, at most: a row's occupancy is one word of 64 bits, and its eight-cell groups a word of bytes each.
+// Cells along an edge, at most: a row's occupancy is one word of 64 bits, and its eight-cell groups a word of
+// bytes each.
 const uint kFieldCells = 64;
 const uint kFieldSize = kFieldCells * kFieldCells * kFieldCells;
 const uint kGroup = 8;  // cells whose squared distances share a word, a byte each
-// Distances are exact up to this many cells, and cut off there: 33 mm outside, more than a hand moves between two frames. Its square
-// leaves room in seven bits for a sum of two.
+// Distances are exact up to this many cells, and cut off there: 33 mm outside, more than a hand moves between
+// two frames. Its square leaves room in seven bits for a sum of two.
 const int kFieldReach = 7;
 // Inside, forces end within a cell of the surface.
 const int kFieldInnerReach = 3;
@@ -20,18 +21,20 @@ const uint kFieldWorkgroup = 64;
 // Cells along a line that an invocation works out, from one load of each.
 const uint kFieldRun = 8;
 
-// Where the box of cells lies. A cell is `stride` voxels wide and takes the voxel at its middle. Sizes are multiples of 8.
+// Where the box of cells lies. A cell is `stride` voxels wide and takes the voxel at its middle. Sizes are
+// multiples of 8.
 struct FieldPlace {
-  int low[3];    // voxel index of the low corner, a multiple of 8; may lie outside the model, which is empty there
+  int low[3];    // voxel index of the low corner, a multiple of 8; may lie outside the model, which is empty
+                 // there
   uint size[3];  // cells
   uint stride;   // voxels a cell
 };
 
-// Squared distances on the way are bytes, in cells: to the nearest occupied cell, behind all of them to the nearest empty one. A plane's
-// group (x / 8, y, z) is word x / 8 + size_x / 8 · (y + size_y · z).
-// distance_rows: along x, from the voxels. distance_lines: along y, then z: the exact Euclidean transform is separable
-// (Saito and Toriwaki 1994). The pass along z writes metres, positive outside: for each cell its own and its neighbour's above, so that
-// an interpolation needs four loads.
+// Squared distances on the way are bytes, in cells: to the nearest occupied cell, behind all of them to the
+// nearest empty one. A plane's group (x / 8, y, z) is word x / 8 + size_x / 8 · (y + size_y · z).
+// distance_rows: along x, from the voxels. distance_lines: along y, then z: the exact Euclidean transform is
+// separable (Saito and Toriwaki 1994). The pass along z writes metres, positive outside: for each cell its
+// own and its neighbour's above, so that an interpolation needs four loads.
 struct DistanceRowArgs {
   ReadUints brick_states;
   ReadUints words;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Drawing the voxel model: kernels list the voxels of its surface, in one order whatever the device does; a cube is drawn
-// for each.
+// Drawing the voxel model: kernels list the voxels of its surface, in one order whatever the device does; a
+// cube is drawn for each.
 #ifndef AIRCLAY_RENDERER_VOXELS_IO_H
 #define AIRCLAY_RENDERER_VOXELS_IO_H
 
@@ -9,7 +9,7 @@
 
 AIRCLAY_IO_BEGIN
 
-const uint kVoxelVertices = 18;    // the three faces that can be seen at once
+const uint kVoxelVertices = 18;  // the three faces that can be seen at once
 const uint kVoxelScanWorkgroup = 64;
 
 // How many are drawn and lit, as indirect commands take it.
@@ -29,10 +29,10 @@ WRITE_POINTER(WriteVoxelCounts, VoxelCounts)
 struct VoxelListArgs {
   ReadUints brick_states;
   ReadUints words;
-  ReadUints firsts;       // of each brick in the list; only when writing
-  WriteUints counts;      // of each brick; only when counting
-  WriteVec3s positions;   // centres
-  WriteVec3s normals;     // unit, from how the voxels around are occupied
+  ReadUints firsts;      // of each brick in the list; only when writing
+  WriteUints counts;     // of each brick; only when counting
+  WriteVec3s positions;  // centres
+  WriteVec3s normals;    // unit, from how the voxels around are occupied
   uint voxels;
   uint bricks_edge;
   float voxel_m;
@@ -53,7 +53,7 @@ struct RenderVoxelArgs {
   ReadVec3s positions;
   ReadVertexLights lights;  // 0: depth alone is wanted
   mat4 clip_from_workspace;
-  vec3 eye;             // the faces towards it are drawn
+  vec3 eye;  // the faces towards it are drawn
   vec3 key_direction;
   vec3 albedo;
   float voxel_m;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Contact in device memory: what is kept of each data point, the frame's state, and the kernels' arguments. The method is told in engine/sculpt/contact.h.
+// Contact in device memory: what is kept of each data point, the frame's state, and the kernels' arguments.
+// The method is told in engine/sculpt/contact.h.
 #ifndef AIRCLAY_CONTACT_IO_H
 #define AIRCLAY_CONTACT_IO_H
 
@@ -31,7 +32,8 @@ const float kContactShortWay = 1e-6;
 
 // What is left may be so deep; the repeats end.
 const float kContactDepthWanted = 0.001;
-// A repeat that leaves more than this share of the least depth so far does not shrink it; after so many in a row the repeats end.
+// A repeat that leaves more than this share of the least depth so far does not shrink it; after so many in a
+// row the repeats end.
 const float kContactShrinks = 0.98;
 const uint kContactMaxStalls = 3;
 const uint kContactMaxRepeats = 32;
@@ -44,10 +46,11 @@ const uint kPointIgnored = 2;  // inside when tracking began, and not left yet
 
 // A data point, or a mirror image of it, between two checks. Lengths along `direction` are in metres.
 struct GpuContactPoint {
-  vec3 position;   // at the last check, workspace
+  vec3 position;  // at the last check, workspace
   uint state;
   vec3 direction;  // unit, outwards, hand's frame; of a reached point
-  float depth;     // from the point to the hand's surface along it; negative: the surface lies behind, at most `pushed`
+  float depth;  // from the point to the hand's surface along it; negative: the surface lies behind, at most
+                // `pushed`
   float depth_before;  // a check ago
   float pushed;        // all that the point was displaced by in this frame, for the solve
   float pushed_plain;  // that without momentum, see contact_push
@@ -86,19 +89,19 @@ struct GpuContactFrame {
   vec3 position_now;
   vec4 rotation_gripped;  // when the hand took hold, see grip_io.h
   vec3 position_gripped;
-  uint gripped;           // 1: it has taken hold
+  uint gripped;  // 1: it has taken hold
   uint mode;
-  uint known;       // 1: the hand's pose in the next frame's `before` will be this frame's `now`
+  uint known;  // 1: the hand's pose in the next frame's `before` will be this frame's `now`
   uint done;
-  uint touched;     // data points that are reached, each image counted
-  uint repeats;     // solves done in this frame
-  uint stalls;      // repeats in a row that did not shrink the depth
-  float depth_m;    // the largest left
-  float least_m;    // of all repeats of this frame
-  float quotient;   // the largest Rayleigh quotient met; 0: none yet
-  float step;       // of the next push
+  uint touched;    // data points that are reached, each image counted
+  uint repeats;    // solves done in this frame
+  uint stalls;     // repeats in a row that did not shrink the depth
+  float depth_m;   // the largest left
+  float least_m;   // of all repeats of this frame
+  float quotient;  // the largest Rayleigh quotient met; 0: none yet
+  float step;      // of the next push
   float momentum;
-  float theta;      // Nesterov's sequence
+  float theta;               // Nesterov's sequence
   GpuGroups find_groups;     // contact_find: in z the images
   GpuGroups point_groups;    // contact_push, subdivide and their like
   GpuGroups project_groups;  // solve_project
@@ -149,8 +152,8 @@ struct ContactBeginArgs {
   uint forget;  // 1: the last pose holds no more
 };
 
-// contact_find: one invocation a data point and image; depths along the points' directions. Image k of data point i stands in
-// `points` at k * data_point_count + i.
+// contact_find: one invocation a data point and image; depths along the points' directions. Image k of data
+// point i stands in `points` at k * data_point_count + i.
 struct ContactFindArgs {
   ReadContactFrames frame;
   ReadVec3s data_points;

@@ -7,21 +7,23 @@
 
 AIRCLAY_IO_BEGIN
 
-// 6 mm outside the skin: what looks touched, for voxels of 4.7 mm don't tell nearer, and data points are about a centimetre apart. All that is
-// inside is held too: else a hand deep in the clay would drag a hollow ring.
+// 6 mm outside the skin: what looks touched, for voxels of 4.7 mm don't tell nearer, and data points are
+// about a centimetre apart. All that is inside is held too: else a hand deep in the clay would drag a hollow
+// ring.
 const float kGripReach_m = 0.006;
 
 // What held points may lag behind; the repeats end. A voxel is ten times as large.
 const float kGripLagWanted_m = 0.0005;
 
-// With momentum the lag goes down by waves, and where it is to end is reached from any side: patience pays, unlike with depths.
+// With momentum the lag goes down by waves, and where it is to end is reached from any side: patience pays,
+// unlike with depths.
 const uint kGripMaxStalls = 8;
 
 // A data point while the hand holds on.
 struct GpuGripPoint {
-  vec3 start;   // where it was when the hand took hold, workspace
-  uint images;  // bit k: image k of the hand holds it; 0: nobody does
-  vec3 lag;     // from the point to where it is to be
+  vec3 start;         // where it was when the hand took hold, workspace
+  uint images;        // bit k: image k of the hand holds it; 0: nobody does
+  vec3 lag;           // from the point to where it is to be
   float achieved;     // the last displacement wanted times that which came of it
   vec3 pulled;        // all that it was displaced by in this frame, for the solve
   vec3 pulled_plain;  // that without momentum

@@ -10,13 +10,15 @@ AIRCLAY_IO_BEGIN
 // 10 mm from the skin nothing relaxes any more, and nearer ever more: a finger's width of transition.
 const float kRelaxReach_m = 0.01;
 
-// Steps in a frame. A step takes at most all of the roughest shape, and of one four times as long a hundredth of that.
+// Steps in a frame. A step takes at most all of the roughest shape, and of one four times as long a hundredth
+// of that.
 const uint kRelaxRepeats = 4;
 
 // Less than a thousandth of a millimetre to do is nothing.
 const float kRelaxLeast_m = 1e-6;
 
-// relax_umbrella: one invocation a data point; the way to the average of its neighbours. These stand in `neighbours` from starts[i] up to starts[i + 1].
+// relax_umbrella: one invocation a data point; the way to the average of its neighbours. These stand in
+// `neighbours` from starts[i] up to starts[i + 1].
 struct RelaxUmbrellaArgs {
   ReadVec3s data_points;
   ReadVec3s normals;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Symmetry in device memory: whatever the hand does is done mirrored too. The method is told in engine/sculpt/symmetry.h.
+// Symmetry in device memory: whatever the hand does is done mirrored too. The method is told in
+// engine/sculpt/symmetry.h.
 #ifndef AIRCLAY_SYMMETRY_IO_H
 #define AIRCLAY_SYMMETRY_IO_H
 
@@ -7,8 +8,8 @@
 
 AIRCLAY_IO_BEGIN
 
-// The images are packed into one uint, `mirrors`, 4 bits each: 1, 2, 4 for the axes x, y, z whose sign is turned. Image 0 turns none; after
-// the last one all is zero.
+// The images are packed into one uint, `mirrors`, 4 bits each: 1, 2, 4 for the axes x, y, z whose sign is
+// turned. Image 0 turns none; after the last one all is zero.
 const uint kMaxImages = 8;
 
 const uint kSymmetryWorkgroup = 64;

@@ -42,7 +42,7 @@ void main() {
   if (y >= camera.height) return;
   const uint own = camera.mask_words / 2 + gl_GlobalInvocationID.x;
   const uint64_t one = args.levels.at[kScoreLevels * own];
-  if (one == 0ul || !isNearObject(camera, y, pair)) {  // most of a image: nothing, or the noise of its background
+  if (one == 0ul || !isNearObject(camera, y, pair)) {  // most of an image: nothing, or the noise of its background
     args.masks.at[own] = one;
     return;
   }

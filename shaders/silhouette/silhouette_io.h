@@ -14,24 +14,28 @@ READ_POINTER(ReadPairs, uint64_t)
 WRITE_POINTER(WritePairs, uint64_t)
 READ_WRITE_POINTER(ReadWritePairs, uint64_t)
 
-// A pixel of the background model is one word: mean B, G, R in the low three bytes; the spread, in eighths of a grey level, in the
-// high one. While learning, a pixel has a pair of words for each of B, G, R: the sum, and the sum of squares.
+// A pixel of the background model is one word: mean B, G, R in the low three bytes; the spread, in eighths of
+// a grey level, in the high one. While learning, a pixel has a pair of words for each of B, G, R: the sum,
+// and the sum of squares.
 const float kSpreadStep = 0.125f;
 const uint kLearnSums = 3;
 const uint kMaxLearnFrames = 256;  // 256 · 255² still fits 32 bits
 
-// 2.5 grey levels: the noise of an ordinary camera indoors. H.264 smooths it away and repeats an empty image unchanged, so that the spread
-// learned is 0; then it codes anew what the hand passes, with errors as large as the noise was.
+// 2.5 grey levels: the noise of an ordinary camera indoors. H.264 smooths it away and repeats an empty image
+// unchanged, so that the spread learned is 0; then it codes anew what the hand passes, with errors as large
+// as the noise was.
 const float kMinSpread = 2.5f;
 
-// A pixel's score is how far it differs from the background, in units of what may differ by chance: linear in how much of the pixel the
-// object covers. A shadow keeps the colour and takes at most this share of the brightness; a change of light adds at most that.
+// A pixel's score is how far it differs from the background, in units of what may differ by chance: linear in
+// how much of the pixel the object covers. A shadow keeps the colour and takes at most this share of the
+// brightness; a change of light adds at most that.
 const float kDarkest = 0.6f;
 const float kBrightest = 1.2f;
 // Colour may differ by this many spreads: 3: one pixel in 90 of Gaussian noise, which the majority removes.
 const float kColourSpreads = 3.0f;
 
-// The score is kept as bits: whether it is at least 1, 2, 4, 8; a pair of words a level for each pair of the mask, one behind the other.
+// The score is kept as bits: whether it is at least 1, 2, 4, 8; a pair of words a level for each pair of the
+// mask, one behind the other.
 const uint kScoreLevels = 4;
 
 // background_add: a frame into the sums. background_finish: the sums into the model.
@@ -44,7 +48,8 @@ struct BackgroundArgs {
   uint first_camera;
 };
 
-// segment: one invocation a pair of mask words, to its pairs of levels. `images` are BGR bytes, rows without padding, each camera's at a whole word.
+// segment: one invocation a pair of mask words, to its pairs of levels. `images` are BGR bytes, rows without
+// padding, each camera's at a whole word.
 struct SegmentArgs {
   ReadCameras cameras;
   ReadUints images;
@@ -52,12 +57,14 @@ struct SegmentArgs {
   WritePairs levels;
 };
 
-// How far an edge is smeared: 2 pixels. Video has one sample of colour for 2 x 2 pixels, and its coding blurs that.
+// How far an edge is smeared: 2 pixels. Video has one sample of colour for 2 x 2 pixels, and its coding blurs
+// that.
 const int kSmearReach = 2;
 
-// edges: the masks from the levels. A pixel is object when its score is at least 1, unless it is the smear of an edge: along a row, a column or a
-// diagonal there is background on one side, and on the other a score of 4 or more (its own below 2) or of 8 or more (its own below 4): the
-// object ends where the score has fallen to half. Opposite sides, or every pinhole in an object of little contrast would wear it away.
+// edges: the masks from the levels. A pixel is object when its score is at least 1, unless it is the smear of
+// an edge: along a row, a column or a diagonal there is background on one side, and on the other a score of 4
+// or more (its own below 2) or of 8 or more (its own below 4): the object ends where the score has fallen to
+// half. Opposite sides, or every pinhole in an object of little contrast would wear it away.
 struct EdgeArgs {
   ReadCameras cameras;
   ReadPairs levels;
@@ -72,8 +79,9 @@ struct MajorityArgs {
 };
 
 // Connected parts by runs of pixels. A row has at most kMaxRuns of them; run i of row y of a camera is entry
-// (y · kMaxRuns + i) behind the camera's first, its label the index of the entry that it hangs on (its own at a root).
-const uint kMaxRuns = 256;      // a row of noise has more: what comes behind is dropped as speckle
+// (y · kMaxRuns + i) behind the camera's first, its label the index of the entry that it hangs on (its own at
+// a root).
+const uint kMaxRuns = 256;             // a row of noise has more: what comes behind is dropped as speckle
 const uint kBorderArea = 0x80000000u;  // flag in a root's area: the part touches the image's border
 
 struct RunArgs {
@@ -82,11 +90,11 @@ struct RunArgs {
   ReadWriteUints run_counts;  // one a row
   ReadWriteUints runs;        // first | last << 16
   ReadWriteUints labels;
-  ReadWriteUints areas;       // at roots
-  ReadWriteUints largest;     // one a camera: the label of its largest part
+  ReadWriteUints areas;    // at roots
+  ReadWriteUints largest;  // one a camera: the label of its largest part
   WritePairs result;
   uint max_rows;
-  uint holes;       // 1: the parts are of the background, four-connected; else of the object, eight-connected
+  uint holes;  // 1: the parts are of the background, four-connected; else of the object, eight-connected
   uint largest_hole;  // pixels: smaller ones are closed
 };
 

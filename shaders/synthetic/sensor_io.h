@@ -8,16 +8,19 @@
 AIRCLAY_IO_BEGIN
 
 const uint kSensorWorkgroup = 64;
-const uint kRayStep = 16;        // pixels between the rays that the backdrop is given; the lens is smooth between them
-// The noise table: three numbers, normally distributed, an entry; each of 21 bits that reach kNoiseReach to each side of 0.
-const uint kNoiseBits = 13;      // of its index: numbers up to 3.8
+const uint kRayStep =
+    16;  // pixels between the rays that the backdrop is given; the lens is smooth between them
+// The noise table: three numbers, normally distributed, an entry; each of 21 bits that reach kNoiseReach to
+// each side of 0.
+const uint kNoiseBits = 13;  // of its index: numbers up to 3.8
 const uint kNoiseSteps = (1 << 21) - 1;
 const float kNoiseReach = 4;
 const uint kShadowCells = 64;    // along each side of the floor's shadow map
 const float kShadowHalf = 1.7f;  // the map reaches this many workspace edges to each side of the middle
 
-// The backdrop holds a word a pixel: what it shows with nothing before it (sRGB in 11, 11 and 10 bits, red lowest: finer than the noise); and behind
-// all of these another word a pixel: where that place lies in the shadow map (16 bits each way, whole map).
+// The backdrop holds a word a pixel: what it shows with nothing before it (sRGB in 11, 11 and 10 bits, red
+// lowest: finer than the noise); and behind all of these another word a pixel: where that place lies in the
+// shadow map (16 bits each way, whole map).
 
 // sensor_backdrop.comp: a studio's sweep (floor, rounded into a round wall), lit from above.
 struct BackdropArgs {
@@ -28,12 +31,12 @@ struct BackdropArgs {
   uint width;
   uint height;
   uint pixels_before;
-  uint all_pixels;    // of all cameras
-  uint first_pixel;   // of the band that is drawn
-  float edge_m;       // the workspace's
+  uint all_pixels;   // of all cameras
+  uint first_pixel;  // of the band that is drawn
+  float edge_m;      // the workspace's
   float floor_z;
   float wall_radius;
-  vec2 key_slope;     // metres sideways a metre up, towards the light
+  vec2 key_slope;  // metres sideways a metre up, towards the light
 };
 
 // sensor.vert, sensor.frag
@@ -61,13 +64,14 @@ struct ShadowArgs {
   float spot_weight;  // depth of one spot's shadow
 };
 
-// sensor_compose.comp: a camera's hand before its backdrop, noise, bytes. Four pixels, three words, an invocation.
+// sensor_compose.comp: a camera's hand before its backdrop, noise, bytes. Four pixels, three words, an
+// invocation.
 struct ComposeArgs {
   ReadCameras cameras;
   ReadUints hand;  // RGBA, premultiplied by the coverage in linear light, then sRGB; alpha is the coverage
   ReadUints backdrop;
   ReadFloats shadow;
-  ReadUlongs noise;     // the table
+  ReadUlongs noise;   // the table
   WriteUints images;  // GpuRig's layout
   uint camera;
   uint all_pixels;  // of all cameras

@@ -73,7 +73,7 @@ TEST(BoardExposure, ABoardThatIsTurnedAwayIsAsBright) {
   for (const double turn : {0.0, 0.6, 0.9, 1.1}) {
     const Pose pose = boardBefore(stage.board, camera, 0.45, Vec3(0, turn, 0));
     const auto light = boardExposure(stage.board, trueView(stage.board, camera, pose, 3), kSize,
-                                  drawBoard(stage.board, camera, pose));
+                                     drawBoard(stage.board, camera, pose));
     if (!light) continue;  // too narrow to tell
     EXPECT_GT(light->white, 200) << turn;
     EXPECT_LT(light->black, 50) << turn;

@@ -259,8 +259,7 @@ TEST(Calibration, camerasThatAreNotSynchronisedAreSaidSo) {
 class RecordingTest : public testing::Test {
  protected:
   void draw(const Scene& scene, int frames) {
-    drawImages(folder.path(), scene.rig, scene.board,
-                 {scene.boards.begin(), scene.boards.begin() + frames});
+    drawImages(folder.path(), scene.rig, scene.board, {scene.boards.begin(), scene.boards.begin() + frames});
   }
   TemporaryFolder folder;
 };
@@ -347,7 +346,7 @@ class Follower {
   }
 
   std::vector<std::span<std::uint8_t>> images;  ///< where the next ones go
-  std::vector<double> errors_mm;                  ///< of the hand's place, frame by frame
+  std::vector<double> errors_mm;                ///< of the hand's place, frame by frame
 
  private:
   Pipeline pipeline_;
@@ -382,8 +381,7 @@ TEST_F(RecordingTest, theRecoveredRigTracksTheHandAsTheTrueOneDoes) {
   for (int frame = 0; frame < take.backgroundFrames() + 20; ++frame) {
     ASSERT_TRUE(take.readImages(frame, with_truth.images));
     for (std::size_t c = 0; c < with_truth.images.size(); ++c)
-      std::copy(with_truth.images[c].begin(), with_truth.images[c].end(),
-                with_recovered.images[c].begin());
+      std::copy(with_truth.images[c].begin(), with_truth.images[c].end(), with_recovered.images[c].begin());
     const int seen = frame - take.backgroundFrames();
     for (Follower* follower : {&with_truth, &with_recovered})
       if (seen < 0)

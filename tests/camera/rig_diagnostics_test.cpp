@@ -118,7 +118,7 @@ TEST(RigSuspicions, nameWhatHappenedToAGoodRig) {
       {"sides exchanged",
        [](Rig& rig) { std::swap(rig.cameras[1].width, rig.cameras[1].height); },
        {"cam1", "width and height exchanged"}},
-      {"matrix of a image half as large",
+      {"matrix of an image half as large",
        [](Rig& rig) {
          Lens& lens = rig.cameras[1].lens;
          for (double* value : {&lens.fx, &lens.fy, &lens.cx, &lens.cy}) *value *= 0.5;

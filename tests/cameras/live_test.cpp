@@ -248,7 +248,7 @@ void writeSweep(const fs::path& file, int frames, double rate_hz) {
   writer.finish();
 }
 
-/// Which frame of that video a image is.
+/// Which frame of that video an image is.
 int frameOf(const LiveImage& image) {
   int black = 0;
   for (int x = 0; x < kVideoSize.width; ++x)

@@ -34,7 +34,7 @@ struct Clay {
 };
 
 Clay prepareClay(const std::string& preset, int levels = 2,
-              SubdivisionRule rule = SubdivisionRule::kCatmullClark) {
+                 SubdivisionRule rule = SubdivisionRule::kCatmullClark) {
   Clay clay;
   clay.cage = presetCage(preset);
   clay.matrix = subdivide(clay.cage, levels, rule).matrix;

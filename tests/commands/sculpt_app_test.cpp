@@ -67,8 +67,7 @@ struct RecordedDemo {
     const std::vector<std::span<std::uint8_t>> buffers(images.begin(), images.end());
     for (int frame = 0; frame < frames; ++frame) {
       synthetic.readImages(frame, buffers);
-      for (std::size_t i = 0; i < images.size(); ++i)
-        writeBgr(synthetic.rig().cameras[i], frame, images[i]);
+      for (std::size_t i = 0; i < images.size(); ++i) writeBgr(synthetic.rig().cameras[i], frame, images[i]);
     }
   }
   void writeBgr(const Camera& camera, int frame, const std::vector<std::uint8_t>& bgr) const {

@@ -37,14 +37,14 @@ std::vector<std::uint8_t> frame(int camera, int k) {
   return bgr;
 }
 
-/// Which frame a image is.
+/// Which frame an image is.
 int frameOf(const LiveImage& image) {
   int black = 0;
   for (int x = 0; x < kSize.width; ++x) black += image.bgr[std::size_t(3 * (8 * kSize.width + x))] < 128;
   return static_cast<int>(std::lround(black / 4.0));
 }
 
-/// How like a image is to the frame that its bar says it is.
+/// How like an image is to the frame that its bar says it is.
 double psnrDb(const LiveImage& image, int camera) {
   const std::vector<std::uint8_t> truth = frame(camera, frameOf(image));
   if (image.size != kSize) return 0;

@@ -130,8 +130,7 @@ TEST(Silhouette, SegmentationEqualsTheReferenceAwayFromItsThresholds) {
       std::vector<double> scores(result.raw[c].pixels.size());
       std::vector<char> exempt(scores.size());
       for (std::size_t i = 0; i < scores.size(); ++i) {
-        const Vec3 seen(result.images[c][3 * i], result.images[c][3 * i + 1],
-                        result.images[c][3 * i + 2]);
+        const Vec3 seen(result.images[c][3 * i], result.images[c][3 * i + 1], result.images[c][3 * i + 2]);
         // the model is stored in whole grey levels and eighths of spread
         const BackgroundPixel& background = result.background[c][i];
         BackgroundPixel stored;

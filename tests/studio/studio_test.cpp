@@ -132,8 +132,7 @@ TEST_F(Studio, WindowIsResizedMinimisedClosedAndRemembered) {
   EXPECT_TRUE(hasSize(0, 0)) << log();
   desktop->restore();
   EXPECT_TRUE(hasSize(1000, 700)) << log();
-  for (int i = 0; i < 12; ++i)
-    desktop->resize(700 + 40 * i, 500 + 20 * (i % 5));  // faster than images come
+  for (int i = 0; i < 12; ++i) desktop->resize(700 + 40 * i, 500 + 20 * (i % 5));  // faster than images come
   desktop->resize(1040, 720);
   EXPECT_TRUE(hasSize(1040, 720)) << log();
   const auto since = std::chrono::steady_clock::now();
@@ -166,7 +165,7 @@ TEST_F(Studio, SharedMemoryAndTheSwapchainShowTheSame) {
   desktop.emplace(Desktop::Options{.shared_memory = false});
   const Screenshot swapped = shownBy("swapchain");
   EXPECT_EQ(differingShare(shared, swapped, kMiddle), 0);
-  // and it is a image: of clay before a backdrop
+  // and it is an image: of clay before a backdrop
   Screenshot even = shared;
   std::fill(even.rgb.begin(), even.rgb.end(),
             shared.rgb[even.rgb.size() / 2 + 3 * std::size_t(even.width) / 2]);

@@ -9,7 +9,7 @@
 
 namespace airclay {
 
-/// How a image is taken.
+/// How an image is taken.
 struct BoardShot {
   double noise_sigma = 0;  ///< of 255, Gaussian, the same on all three colours
   std::uint32_t seed = 1;  ///< of the noise
@@ -24,7 +24,7 @@ struct BoardShot {
 std::vector<std::uint8_t> drawBoard(const Board& board, const Camera& camera, const Pose& world_from_board,
                                     const BoardShot& shot = {});
 
-/// The corners that such a image shows, exactly where they are, up to `margin_px` from its edges; none from
+/// The corners that such an image shows, exactly where they are, up to `margin_px` from its edges; none from
 /// behind, unless the board is two-sided.
 BoardView trueView(const Board& board, const Camera& camera, const Pose& world_from_board,
                    double margin_px = 0);

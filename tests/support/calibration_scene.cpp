@@ -57,7 +57,7 @@ void forEachCamera(const Rig& rig, const std::function<void(const Camera&)>& dra
 }
 
 std::vector<std::uint8_t> imageOf(const Board& board, const Camera& camera, const std::vector<Pose>& boards,
-                                    std::size_t frame) {
+                                  std::size_t frame) {
   BoardShot shot;
   shot.noise_sigma = 2;
   shot.seed = static_cast<std::uint32_t>(frame + 1);
@@ -169,7 +169,7 @@ std::vector<CameraViews> seenCorners(const Rig& rig, const Board& board, const s
 }
 
 void drawImages(const std::filesystem::path& folder, const Rig& rig, const Board& board,
-                  const std::vector<Pose>& boards) {
+                const std::vector<Pose>& boards) {
   forEachCamera(rig, [&](const Camera& camera) {
     std::filesystem::create_directories(folder / camera.name);
     for (std::size_t frame = 0; frame < boards.size(); ++frame) {

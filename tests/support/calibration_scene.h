@@ -30,7 +30,7 @@ std::vector<CameraViews> seenCorners(const Rig& rig, const Board& board, const s
 
 /// Takes images of the boards with every camera, noise on them, into `folder`: NAME/0.png and on.
 void drawImages(const std::filesystem::path& folder, const Rig& rig, const Board& board,
-                  const std::vector<Pose>& boards);
+                const std::vector<Pose>& boards);
 /// The same into a video NAME.mp4 each, H.264.
 void drawVideos(const std::filesystem::path& folder, const Rig& rig, const Board& board,
                 const std::vector<Pose>& boards);

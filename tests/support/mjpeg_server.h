@@ -9,7 +9,7 @@
 
 namespace airclay {
 
-/// Serves a image that changes, `rate_hz` times a second, to one client at a time; gone with its object, as
+/// Serves an image that changes, `rate_hz` times a second, to one client at a time; gone with its object, as
 /// a camera that is switched off.
 class MjpegServer {
  public:

@@ -38,7 +38,7 @@ Rig mixedRig() {
   return rig;
 }
 
-/// Area in pixels and centre of mass of a image of shares.
+/// Area in pixels and centre of mass of an image of shares.
 struct Shape {
   double area = 0;
   Vec2 center = Vec2::Zero();

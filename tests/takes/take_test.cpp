@@ -49,8 +49,8 @@ int greyOf(int camera, int frame) {
 // Less than half the way to the next frame's grey; H.264 with limited-range YUV loses up to 5.
 constexpr int kGreyLoss = 7;
 
-void writeVideo(const std::filesystem::path& file, int camera, int frames,
-                ImageSize size = {kWidth, kHeight}, double rate_hz = 25) {
+void writeVideo(const std::filesystem::path& file, int camera, int frames, ImageSize size = {kWidth, kHeight},
+                double rate_hz = 25) {
   VideoWriter writer(file, {size, rate_hz, VideoWriter::Format::kBgr8});
   std::vector<std::uint8_t> pixels(static_cast<size_t>(size.width * size.height * 3));
   for (int frame = 0; frame < frames; ++frame) {
@@ -145,8 +145,7 @@ TEST_F(TakeTest, videosComeFrameByFrame) {
 TEST_F(TakeTest, imagesComeExactly) {
   for (int frame = 0; frame < 3; ++frame)
     for (const char* camera : {"left", "right"})
-      writeImage(folder / camera / numbered(frame),
-                   flat({10.0 + frame, 20, camera[0] == 'l' ? 30.0 : 40.0}));
+      writeImage(folder / camera / numbered(frame), flat({10.0 + frame, 20, camera[0] == 'l' ? 30.0 : 40.0}));
   writeImage(folder / "background/left.png", flat({1, 2, 3}));
   writeImage(folder / "background/right.png", flat({4, 5, 6}));
   Take take(folder.path());

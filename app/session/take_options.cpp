@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+#include "app/session/take_options.h"
+
+#include <CLI/CLI.hpp>
+
+#include "app/cli/command.h"
+#include "app/session/actions.h"
+#include "engine/silhouette/silhouette.h"
+
+namespace airclay {
+
+RigUnits parseUnits(const std::string& word) {
+  if (word == "m") return RigUnits::kMetres;
+  return word == "mm" ? RigUnits::kMillimetres : RigUnits::kAsWritten;
+}
+
+void addTakeOptions(CLI::App& command, TakeInputOptions& words) {
+  command
+      .add_option("TAKE", words.folder, "the recording: a folder with rig.toml and videos, images or masks")
+      ->type_name("")
+      ->required();
+  command.add_option("--units", words.units, "the rig's unit, where its file doesn't say: m or mm")
+      ->check(CLI::IsMember({"m", "mm"}).description(""))
+      ->type_name("m|mm");
+  command
+      .add_option("--background", words.background_frames,
+                  "how many first frames show the empty workspace, where the take has no background/ [10], "
+                  "at most 256")
+      ->check(CLI::Range(1, static_cast<int>(kMaxLearnFrames)).description(""))
+      ->type_name("N");
+}
+
+Take TakeInputOptions::open(const TakeOptions& options) const {
+  TakeOptions whole = options;
+  whole.units = parseUnits(units);
+  whole.background_frames = background_frames;
+  whole.unfinished = hasActions(folder);
+  Take take(folder, whole);
+  if (take.note()) printWarning(*take.note());
+  return take;
+}
+
+}  // namespace airclay
