@@ -25,18 +25,10 @@ struct DeformOptions : SubdivideOptions {
   std::string moves, cage_out;
 };
 
-PolygonMesh surfaceOf(const Subdivision& subdivision, const std::vector<Vec3>& control_points) {
-  PolygonMesh surface;
-  surface.points = dataPoints(subdivision.matrix, control_points);
-  for (const std::array<int, 4>& quad : subdivision.quads)
-    surface.faces.emplace_back(quad.begin(), quad.end());
-  return surface;
-}
-
 void runSubdivide(const SubdivideOptions& options) {
   const PolygonMesh cage = loadCage(options.cage);
   const Subdivision subdivision = subdivide(cage, options.clay.levels, options.clay.subdivisionRule());
-  const PolygonMesh surface = surfaceOf(subdivision, cage.points);
+  const PolygonMesh surface = surfaceMesh(subdivision, cage.points);
   writeObj(options.out, surface);
   if (options.json)
     printJson({{"control_points", cage.points.size()}, {"data_points", surface.points.size()}});
@@ -49,7 +41,7 @@ void runDeform(const DeformOptions& options) {
   const Subdivision subdivision = subdivide(cage, options.clay.levels, options.clay.subdivisionRule());
   const std::vector<Move> moves = readMoves(options.moves, static_cast<int>(subdivision.matrix.rows()));
   cage.points = solveControlPoints(subdivision.matrix, cage.points, moves, options.clay.solveMethod());
-  const PolygonMesh surface = surfaceOf(subdivision, cage.points);
+  const PolygonMesh surface = surfaceMesh(subdivision, cage.points);
   double farthest_m = 0;
   for (const Move& move : moves)
     farthest_m =

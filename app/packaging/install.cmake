@@ -10,16 +10,23 @@ install(TARGETS airclay airclay_engine airclay_capture EXPORT airclay_targets
 # A header is public unless it is listed here. tests/install_test.cpp compiles every installed header on its own
 # and checks that it includes no internal one.
 set(AIRCLAY_INTERNAL_HEADERS
+  engine/core/file_io.h
+  engine/core/median.h
   engine/gpu/one_time.h
   engine/render/renderer_parts.h
   engine/validation/bench_peers.h
   capture/images/quiet_opencv.h
+  capture/cameras/frame_matcher.h
   capture/cameras/gstreamer_objects.h
   capture/cameras/gstreamer_source.h
   capture/cameras/live_feed.h
+  capture/takes/timestamps.h
   capture/calibration/aruco_dictionary.h
   capture/calibration/calibration_parts.h
-  capture/calibration/chessboard_detector.h)
+  capture/calibration/chessboard_detector.h
+  capture/calibration/saddle_point.h
+  shaders/gpu/triangles_io.h
+  shaders/render/renderer_voxels_io.h)
 file(GLOB_RECURSE headers CONFIGURE_DEPENDS RELATIVE ${CMAKE_SOURCE_DIR}
   ${CMAKE_SOURCE_DIR}/engine/*.h ${CMAKE_SOURCE_DIR}/capture/*.h ${CMAKE_SOURCE_DIR}/shaders/*_io.h
   ${CMAKE_SOURCE_DIR}/shaders/core/io.h)
@@ -31,7 +38,7 @@ endforeach()
 list(REMOVE_ITEM headers ${AIRCLAY_INTERNAL_HEADERS})
 foreach(header ${headers})
   cmake_path(GET header PARENT_PATH folder)
-  install(FILES ${header} DESTINATION ${AIRCLAY_INSTALL_INCLUDEDIR}/${folder})
+  install(FILES ${CMAKE_SOURCE_DIR}/${header} DESTINATION ${AIRCLAY_INSTALL_INCLUDEDIR}/${folder})
 endforeach()
 
 # --- CMake and pkg-config ------------------------------------------------------------------------------------
@@ -40,6 +47,8 @@ install(EXPORT airclay_targets NAMESPACE airclay:: FILE airclay-targets.cmake DE
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/airclay-config.cmake.in
   ${CMAKE_BINARY_DIR}/airclay-config.cmake INSTALL_DESTINATION ${package_folder})
 write_basic_package_version_file(${CMAKE_BINARY_DIR}/airclay-config-version.cmake COMPATIBILITY SameMinorVersion)
+# airclay.pc derives the prefix from its own place, so an installed tree can be moved.
+file(RELATIVE_PATH prefix_from_pc ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
 configure_file(${CMAKE_CURRENT_LIST_DIR}/airclay.pc.in ${CMAKE_BINARY_DIR}/airclay.pc @ONLY)
 install(FILES ${CMAKE_BINARY_DIR}/airclay-config.cmake ${CMAKE_BINARY_DIR}/airclay-config-version.cmake
   DESTINATION ${package_folder})
@@ -52,19 +61,15 @@ install(FILES ${CMAKE_CURRENT_LIST_DIR}/airclay-mime.xml DESTINATION ${CMAKE_INS
   RENAME airclay.xml)
 install(FILES ${CMAKE_SOURCE_DIR}/LICENSE ${CMAKE_SOURCE_DIR}/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 # The program writes its own man page and completions, so they always match its options.
-foreach(output "man:${CMAKE_INSTALL_MANDIR}/man1/airclay.1"
-               "bash:${CMAKE_INSTALL_DATADIR}/bash-completion/completions/airclay"
-               "zsh:${CMAKE_INSTALL_DATADIR}/zsh/site-functions/_airclay"
-               "fish:${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d/airclay.fish")
-  string(REPLACE ":" ";" output ${output})
-  list(GET output 0 format)
-  list(GET output 1 file)
-  cmake_path(GET file PARENT_PATH folder)
-  cmake_path(GET file FILENAME name)
-  set(generated ${CMAKE_BINARY_DIR}/reference/${format})
-  install(CODE "
-    file(MAKE_DIRECTORY \"${generated}\")
-    execute_process(COMMAND \"${CMAKE_BINARY_DIR}/airclay\" reference ${format}
-      OUTPUT_FILE \"${generated}/${name}\" COMMAND_ERROR_IS_FATAL ANY)")
-  install(FILES ${generated}/${name} DESTINATION ${folder})
-endforeach()
+set(reference ${CMAKE_BINARY_DIR}/reference)
+file(MAKE_DIRECTORY ${reference})
+add_custom_command(TARGET airclay POST_BUILD COMMENT "writing the man page and the shell completions"
+  COMMAND airclay reference man > ${reference}/airclay.1
+  COMMAND airclay reference bash > ${reference}/airclay.bash
+  COMMAND airclay reference zsh > ${reference}/airclay.zsh
+  COMMAND airclay reference fish > ${reference}/airclay.fish)
+install(FILES ${reference}/airclay.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+install(FILES ${reference}/airclay.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
+  RENAME airclay)
+install(FILES ${reference}/airclay.zsh DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions RENAME _airclay)
+install(FILES ${reference}/airclay.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)

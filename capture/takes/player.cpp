@@ -9,9 +9,7 @@ namespace airclay {
 Player::Player(Recording& recording, Pipeline& pipeline) : recording_(recording), pipeline_(pipeline) {
   const std::vector<Camera>& cameras = recording_.rig().cameras;
   if (recording_.hasSilhouettes()) {
-    for (const Camera& camera : cameras)
-      masks_.push_back({camera.width, camera.height,
-                        std::vector<std::uint8_t>(std::size_t(camera.width) * std::size_t(camera.height))});
+    for (const Camera& camera : cameras) masks_.push_back(emptyMask(camera));
     for (Mask& mask : masks_) buffers_.emplace_back(mask.pixels);
     return;
   }

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "capture/takes/poses_file.h"
+#include "engine/camera/mask.h"
 #include "engine/camera/rig.h"
 #include "engine/core/clock.h"
 
@@ -61,6 +62,16 @@ class Recording {
   /// What is wrong with the cameras now, a few words each: "left: frozen".
   virtual std::vector<std::string> camera_problems() const { return {}; }
 };
+
+/// A frame's masks, one per camera. \pre recording.hasSilhouettes() and 0 <= frame < recording.frameCount()
+inline std::vector<Mask> silhouettesOf(Recording& recording, int frame) {
+  std::vector<Mask> masks;
+  for (const Camera& camera : recording.rig().cameras) masks.push_back(emptyMask(camera));
+  std::vector<std::span<std::uint8_t>> buffers;
+  for (Mask& mask : masks) buffers.emplace_back(mask.pixels);
+  recording.readSilhouettes(frame, buffers);
+  return masks;
+}
 
 /// The cameras' skew: the largest difference of a set's times, seconds. None of a set without times.
 inline std::optional<double> skewOf(const std::vector<double>& camera_times_s) {

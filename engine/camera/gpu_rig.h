@@ -2,18 +2,12 @@
 // A rig as the kernels take it: its cameras, and how their masks lie in memory.
 #pragma once
 
+#include "engine/camera/mask.h"
 #include "engine/camera/rig.h"
 #include "engine/gpu/buffer.h"
 #include "shaders/camera/camera_io.h"
 
 namespace airclay {
-
-/// A binary image, one byte a pixel (0: background, anything else: object), row by row. In the raw,
-/// distorted image.
-struct Mask {
-  int width = 0, height = 0;  ///< pixels
-  std::vector<std::uint8_t> pixels;
-};
 
 /// The cameras of a rig in device memory. The kernels' world is the workspace's frame: the world moved to the
 /// cube's centre.

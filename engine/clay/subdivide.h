@@ -33,6 +33,10 @@ struct Subdivision {
 /// of weights.
 Subdivision subdivide(const PolygonMesh& cage, int levels, SubdivisionRule rule);
 
+/// The subdivided surface of these control points, one per column of A, in their frame: points in the order
+/// of the rows of A, and the quads.
+PolygonMesh surfaceMesh(const Subdivision& subdivision, const std::vector<Vec3>& control_points);
+
 /// `cage` subdivided `levels` times, points and faces in subdivide()'s order; at level 0 the cage itself.
 /// \throw Error as subdivide() does.
 PolygonMesh meshAtLevel(const PolygonMesh& cage, int levels, SubdivisionRule rule);

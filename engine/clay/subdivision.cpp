@@ -229,15 +229,17 @@ Subdivision subdivide(const PolygonMesh& cage, int levels, SubdivisionRule rule)
           lastQuads(*refiner)};
 }
 
-PolygonMesh meshAtLevel(const PolygonMesh& cage, int levels, SubdivisionRule rule) {
-  if (levels == 0) return cage;
-  const Subdivision subdivision = subdivide(cage, levels, rule);
+PolygonMesh surfaceMesh(const Subdivision& subdivision, const std::vector<Vec3>& control_points) {
   PolygonMesh surface;
-  surface.points = dataPoints(subdivision.matrix, cage.points);
+  surface.points = dataPoints(subdivision.matrix, control_points);
   surface.faces.reserve(subdivision.quads.size());
   for (const std::array<int, 4>& quad : subdivision.quads)
     surface.faces.emplace_back(quad.begin(), quad.end());
   return surface;
+}
+
+PolygonMesh meshAtLevel(const PolygonMesh& cage, int levels, SubdivisionRule rule) {
+  return levels == 0 ? cage : surfaceMesh(subdivide(cage, levels, rule), cage.points);
 }
 
 }  // namespace airclay

@@ -158,4 +158,17 @@ VoxelGrid Carver::download() const {
   return grid;
 }
 
+VoxelGrid carve(Gpu& gpu, const Rig& rig, const std::vector<Mask>& masks, int voxels) {
+  const GpuRig gpu_rig(gpu, rig);
+  Carver carver(gpu, gpu_rig, voxels);
+  std::vector<std::uint32_t> packed(gpu_rig.maskWords());
+  gpu_rig.pack(masks, packed);
+  const Buffer<std::uint32_t> mask_words(gpu, packed);
+  Recorder recorder(gpu);
+  recorder.begin();
+  carver.record(recorder, mask_words);
+  recorder.submitAndWait();
+  return carver.download();
+}
+
 }  // namespace airclay

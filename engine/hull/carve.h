@@ -75,6 +75,11 @@ class Carver {
   Buffer<HullSums> sums_;
 };
 
+/// The visual hull of one frame, carved on the GPU and copied to the CPU. For many frames, Carver keeps its
+/// buffers. \pre one mask per camera, in the rig's order and of the cameras' sizes
+/// \throw Error unless kMinVoxels <= voxels <= kMaxVoxels.
+VoxelGrid carve(Gpu& gpu, const Rig& rig, const std::vector<Mask>& masks, int voxels = 128);
+
 /// The reference: every voxel by itself, in double precision.
 VoxelGrid carveReference(const Rig& rig, const std::vector<Mask>& masks, int voxels);
 

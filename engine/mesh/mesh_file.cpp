@@ -213,6 +213,13 @@ void writeObj(const std::filesystem::path& file, const PolygonMesh& mesh) {
   writeWhole(file, text);
 }
 
+void writeObj(const std::filesystem::path& file, const TriangleMesh& mesh) {
+  PolygonMesh polygons{mesh.vertices, {}};
+  for (const std::array<int, 3>& triangle : mesh.triangles)
+    polygons.faces.emplace_back(triangle.begin(), triangle.end());
+  writeObj(file, polygons);
+}
+
 void writePly(const std::filesystem::path& file, const std::vector<Eigen::Vector3f>& points) {
   static_assert(std::endian::native == std::endian::little && sizeof(Eigen::Vector3f) == 12);
   std::string content = "ply\nformat binary_little_endian 1.0\nelement vertex " +

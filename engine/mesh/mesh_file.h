@@ -19,6 +19,7 @@ PolygonMesh readObj(const std::filesystem::path& file);
 /// Writes `v` and `f` lines, nine significant digits. The file appears whole or not at all (written beside,
 /// renamed).
 void writeObj(const std::filesystem::path& file, const PolygonMesh& mesh);
+void writeObj(const std::filesystem::path& file, const TriangleMesh& mesh);
 
 /// Writes points as binary little-endian PLY with float x, y, z. The file appears whole or not at all.
 void writePly(const std::filesystem::path& file, const std::vector<Eigen::Vector3f>& points);
