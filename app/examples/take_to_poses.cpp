@@ -3,7 +3,8 @@
 //
 //     take_to_poses TAKE POSES.tum
 //
-// TAKE holds rig.toml and a video or a folder of images per camera; its first frames show the empty workspace.
+// TAKE holds rig.toml and a video or a folder of images per camera; its first frames show the empty
+// workspace.
 #include <airclay/capture/takes/player.h>
 #include <airclay/capture/takes/take.h>
 #include <airclay/engine/core/error.h>
