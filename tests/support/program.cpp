@@ -141,4 +141,15 @@ Ran runAirclay(const std::vector<std::string>& words, const RunOptions& options)
   return ran;
 }
 
+Ran runProgram(const std::vector<std::string>& arguments,
+               const std::map<std::string, std::string>& environment) {
+  const TemporaryFolder folder;
+  Process program(arguments, environment, folder / "output", folder / "errors");
+  Ran ran;
+  ran.status = *program.waitForExit(INFINITY);
+  ran.output = contentOf(folder / "output");
+  ran.errors = contentOf(folder / "errors");
+  return ran;
+}
+
 }  // namespace airclay

@@ -60,4 +60,8 @@ struct RunOptions {
 /// Runs `airclay` with these words; neither of its streams is a terminal.
 Ran runAirclay(const std::vector<std::string>& words, const RunOptions& options = {});
 
+/// Runs a program, the first of `arguments`, looked up in PATH, until it ends.
+Ran runProgram(const std::vector<std::string>& arguments,
+               const std::map<std::string, std::string>& environment = {});
+
 }  // namespace airclay
