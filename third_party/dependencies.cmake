@@ -14,9 +14,9 @@ find_package(CLI11 REQUIRED)
 find_package(GTest REQUIRED)
 find_package(assimp 5.2 REQUIRED)
 
-# Debian's CMake files for these two name static libraries that it does not ship.
+# Debian's CMake file for OpenSubdiv names a static library that it does not ship.
 find_library(OPENSUBDIV_LIBRARY osdCPU REQUIRED)
-find_library(TINYGLTF_LIBRARY tinygltf REQUIRED)
+find_path(TINYGLTF_INCLUDE_DIR tiny_gltf.h REQUIRED)  # header only: engine/mesh/tiny_gltf.cpp says why
 
 # The window.
 find_package(glfw3 3.3 REQUIRED)
