@@ -238,7 +238,7 @@ TEST(Pipeline, AGivenHandSculptsWithoutCamerasAndTheClayCanBeReplaced) {
   EXPECT_EQ(pipeline.clay().surface().points, pressed);
   ClayState ball;
   ball.cage = presetCage("ball");
-  ball.solve = SolveMethod::kTouched;
+  ball.solve = &kSolveTouched;
   pipeline.setClay(ball);
   EXPECT_EQ(pipeline.clay().cage().faces, ball.cage.faces);
   press();

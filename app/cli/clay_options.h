@@ -15,13 +15,14 @@ namespace airclay {
 
 /// How the clay is subdivided and solved, as written.
 struct ClayOptions {
-  std::string rule = "catmull-clark", solve = "all";
+  std::string rule = "catmull-clark", solve = kSolveAll.id;
   int levels = 2;
 
   SubdivisionRule subdivisionRule() const {
     return rule == "printed" ? SubdivisionRule::kPrinted : SubdivisionRule::kCatmullClark;
   }
-  SolveMethod solveMethod() const { return solve == "touched" ? SolveMethod::kTouched : SolveMethod::kAll; }
+  /// \pre `solve` names a method
+  const SolveMethod* solveMethod() const { return findSolveMethod(solve); }
 
   /// Of the options; none where the command has no such option.
   const CLI::Option *levels_option = nullptr, *rule_option = nullptr, *solve_option = nullptr;

@@ -79,7 +79,7 @@ void runHistory(const DocumentOptions& options) {
                {"control_points", state.cage.points.size()},
                {"levels", state.levels},
                {"rule", state.rule == SubdivisionRule::kPrinted ? "printed" : "catmull-clark"},
-               {"solve", state.solve == SolveMethod::kTouched ? "touched" : "all"}});
+               {"solve", state.solve->id}});
   }
   if (!options.printsMessages()) return;
   std::vector<std::vector<std::string>> rows = {{"edit", "what", "when", ""}};

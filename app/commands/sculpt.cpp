@@ -29,7 +29,7 @@ struct SculptOptions : CommonOptions {
   std::string hand = "right", fit = "paper", clay = "tube", out = "out/sculpt", video;
   std::optional<Vec3> place;  ///< world, metres
   double size_m = 0;          ///< 0: as it comes
-  std::string rig, save, log, tool = "push", symmetry;
+  std::string rig, save, log, tool, symmetry;
   CameraOptions cameras;
   std::string record;
   bool headless = false, unsteady = false, afresh = false;
@@ -63,9 +63,11 @@ PolygonMesh placedCage(const SculptOptions& options, const Workspace& workspace)
 
 SculptControls controlsFrom(const SculptOptions& options) {
   SculptControls controls;
-  controls.tool = options.tool == "pull"     ? Tool::kPull
-                  : options.tool == "smooth" ? Tool::kSmooth
-                                             : Tool::kPush;
+  try {
+    if (!options.tool.empty()) controls.tool = parseTool(options.tool);
+  } catch (const Error& error) {
+    throw Error("--tool " + printable(options.tool) + ": " + error.what(), Fault::kUsage);
+  }
   for (const char axis : options.symmetry) {
     if (axis != 'x' && axis != 'y' && axis != 'z')
       throw Error("--symmetry " + printable(options.symmetry) +
@@ -362,8 +364,9 @@ void addSculpt(CLI::App& program, int&) {
   command->add_flag("--headless", options->headless, "open no window, though there be a display");
   command->add_option("--save", options->save, "the document that every stroke is kept in")
       ->type_name("FILE.clay");
-  command->add_option("--tool", options->tool, "without a window: push [this], pull or smooth")
-      ->check(CLI::IsMember({"push", "pull", "smooth"}).description(""))
+  command
+      ->add_option("--tool", options->tool,
+                   "without a window: " + toolUsage() + " [" + tools().front()->id + "]")
       ->type_name("TOOL");
   command->add_option("--symmetry", options->symmetry, "without a window: planes that are mirrored, as xy")
       ->type_name("AXES");

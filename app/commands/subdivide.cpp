@@ -96,13 +96,17 @@ void addSubdivisionOptions(CLI::App& command, ClayOptions& words, WhenOmitted ot
 }
 
 void addSolveOption(CLI::App& command, ClayOptions& words, WhenOmitted otherwise) {
-  words.solve_option = command
-                           .add_option("--solve", words.solve,
-                                       std::string("over which data points: all") +
-                                           (otherwise == WhenOmitted::kDefault ? " [this]" : "") +
-                                           " or touched, the moved ones alone")
-                           ->check(CLI::IsMember({"all", "touched"}).description(""))
-                           ->type_name("ROWS");
+  std::vector<std::string> ids;
+  std::string help = "data points to fit:";
+  for (const SolveMethod* method : solveMethods()) {
+    const bool is_default = ids.empty() && otherwise == WhenOmitted::kDefault;
+    help += (ids.empty() ? " " : "; ") + std::string(method->id) + (is_default ? " [default]" : "") + ", " +
+            method->description;
+    ids.push_back(method->id);
+  }
+  words.solve_option = command.add_option("--solve", words.solve, help)
+                           ->check(CLI::IsMember(ids).description(""))
+                           ->type_name("METHOD");
 }
 
 void addSubdivide(CLI::App& program, int&) {

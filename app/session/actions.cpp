@@ -15,9 +15,7 @@ using Kind = Action::Kind;
 constexpr std::size_t kMostBytes = std::size_t(1) << 30;
 constexpr int kFormat = 1;
 
-constexpr const char* kTools[] = {"push", "pull", "smooth"};
 constexpr const char* kRules[] = {"catmull-clark", "printed"};
-constexpr const char* kSolves[] = {"all", "touched"};
 // In the order of Action::Kind.
 constexpr const char* kActionNames[] = {"stroke", "undo", "redo",     "refine", "form",
                                         "turn",   "clay", "document", "again",  "empty"};
@@ -104,11 +102,21 @@ std::optional<Pose> readHand(Line& line) {
   return pose;
 }
 
+ToolChoice readTool(Line& line) {
+  const std::string text = line.word();
+  if (!findTool(text.substr(0, text.find(':')))) line.fail(toolIds());
+  try {
+    return parseTool(text);
+  } catch (const Error& error) {
+    line.fail(std::string(error.what()) + ", that");
+  }
+}
+
 ReplayFrame readFrame(Line& line, bool by_mouse) {
   ReplayFrame frame;
   frame.time_s = line.number("the frame's time in seconds");
   frame.step_s = line.number("the seconds since the last frame");
-  frame.tool = static_cast<Tool>(line.oneOf(kTools, "push, pull or smooth"));
+  frame.tool = readTool(line);
   frame.symmetry = readSymmetry(line);
   frame.held = line.whole(0, 1, "0 or 1 for the clutch") == 1;
   frame.filtered = line.whole(0, 1, "0 or 1 for the filter") == 1;
@@ -132,7 +140,8 @@ std::optional<Action> readAction(const std::string& word, Line& line) {
   if (action.kind == Kind::kSurface) {
     action.levels = line.whole(1, kMaxStateLevels, "a level from 1 to " + std::to_string(kMaxStateLevels));
     action.rule = static_cast<SubdivisionRule>(line.oneOf(kRules, "catmull-clark or printed"));
-    action.solve = static_cast<SolveMethod>(line.oneOf(kSolves, "all or touched"));
+    action.solve = findSolveMethod(line.word());
+    if (!action.solve) line.fail(solveMethodIds());
   } else if (action.kind == Kind::kTurn) {
     for (double& value : action.axis) value = line.number("the axis x y z");
     action.angle_rad = line.number("the angle in radians");
@@ -223,7 +232,7 @@ std::string lineOf(const Action& action) {
   switch (action.kind) {
     case Kind::kSurface:
       line += " " + std::to_string(action.levels) + " " + kRules[static_cast<int>(action.rule)] + " " +
-              kSolves[static_cast<int>(action.solve)];
+              action.solve->id;
       break;
     case Kind::kTurn:
       for (const double value : action.axis) line += " " + exactNumber(value);
@@ -244,8 +253,8 @@ std::string lineOf(const Action& action) {
 std::string lineOf(const ReplayFrame& frame, bool by_mouse) {
   if (frame.learned) return "learn\n";
   std::string line = "frame " + exactNumber(frame.time_s) + " " + exactNumber(frame.step_s) + " " +
-                     kTools[static_cast<int>(frame.tool)] + " " + wordOf(frame.symmetry) +
-                     (frame.held ? " 1" : " 0") + (frame.filtered ? " 1" : " 0");
+                     formatTool(frame.tool) + " " + wordOf(frame.symmetry) + (frame.held ? " 1" : " 0") +
+                     (frame.filtered ? " 1" : " 0");
   if (frame.missing_cameras != 0) line += " without " + std::to_string(frame.missing_cameras);
   if (by_mouse && !frame.given_hand) line += " nobody";
   if (by_mouse && frame.given_hand)

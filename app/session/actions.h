@@ -12,7 +12,8 @@
 //     learn                             a frame that taught the empty workspace
 //     frame TIME STEP TOOL AXES HELD STEADY
 //                                       a frame: seconds of the recording, seconds since the last frame, push
-//                                       pull or smooth, the symmetry (xyz or -), 1 while the clutch lets the
+//                                       pull or smooth with the settings that were changed, as
+//                                       `pull:reach=12`, the symmetry (xyz or -), 1 while the clutch lets the
 //                                       hand shape the clay, 1 with the One Euro filter; then `without BITS`
 //                                       where cameras were missing, bit k the k-th; or, of the mouse's hand,
 //                                       12 numbers: world_from_hand, three rows of four; or `nobody`
@@ -44,7 +45,7 @@ struct Action {
   Kind kind = Kind::kUndo;
   int levels = 2;  ///< kSurface
   SubdivisionRule rule = SubdivisionRule::kCatmullClark;
-  SolveMethod solve = SolveMethod::kAll;
+  const SolveMethod* solve = &kSolveAll;
   Vec3 axis = Vec3::UnitZ();  ///< kTurn: about the workspace's centre
   double angle_rad = 0;
   bool last = false;       ///< kTurn: it is done
@@ -55,7 +56,7 @@ struct Action {
 struct ReplayFrame {
   bool learned = false;  ///< the empty workspace; the rest means nothing
   double time_s = 0, step_s = 0;
-  Tool tool = Tool::kPush;
+  ToolChoice tool;
   Symmetry symmetry;
   bool held = true, filtered = true;
   std::uint32_t missing_cameras = 0;  ///< bits of cameras that had no image

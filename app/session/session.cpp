@@ -380,7 +380,7 @@ bool Session::gripIsBarred(const Snapshot& next) {
   bool pulling = false;
   {
     const std::lock_guard lock(mutex_);
-    pulling = settings_.tool == Tool::kPull && settings_.clutch == Clutch::kHold && settings_.clutch_down;
+    pulling = settings_.tool.tool().grabs && settings_.clutch == Clutch::kHold && settings_.clutch_down;
   }
   const bool there = next.trust == TrackingState::kTracking || next.trust == TrackingState::kUncertain;
   if (!pulling) grip_ = Grip::kFree;
@@ -437,7 +437,7 @@ void Session::follow(const Snapshot& next, const ReplayFrame& done) {
   frame.touched = next.result.clay.touched;
   frame.held = done.held;
   frame.tracked = next.trust == TrackingState::kTracking;
-  if (strokes_.see(frame, toolName(done.tool), pipeline_.clay())) refreshDocumentView();
+  if (strokes_.see(frame, done.tool.tool().name, pipeline_.clay())) refreshDocumentView();
 }
 
 void Session::endStroke() {

@@ -43,7 +43,7 @@ struct MouseHand {
 };
 
 struct SessionSettings {
-  Tool tool = Tool::kPush;
+  ToolChoice tool;
   Symmetry symmetry;
   Clutch clutch = Clutch::kContact;
   bool clutch_down = false;
@@ -99,7 +99,7 @@ struct DocumentView {
   int undo_count = 0, redo_count = 0;
   int levels = 0, control_points = 0, data_points = 0;
   SubdivisionRule rule = SubdivisionRule::kCatmullClark;
-  SolveMethod solve = SolveMethod::kAll;
+  const SolveMethod* solve = &kSolveAll;
 };
 
 class Session {
@@ -153,7 +153,7 @@ class Session {
   void undo();
   void redo();
   void refineClay();
-  void setSurface(int levels, SubdivisionRule rule, SolveMethod solve);
+  void setSurface(int levels, SubdivisionRule rule, const SolveMethod* solve);
   /// Turns the clay about an axis through the workspace's centre; `name` is the entry's once it is done.
   void turn(const Vec3& axis, double angle_rad, bool last);
   void exportMesh(const std::filesystem::path& file, bool surface);

@@ -75,7 +75,7 @@ void Session::refineClay() {
   act({.kind = Action::Kind::kRefine}, "refining");
 }
 
-void Session::setSurface(int levels, SubdivisionRule rule, SolveMethod solve) {
+void Session::setSurface(int levels, SubdivisionRule rule, const SolveMethod* solve) {
   act({.kind = Action::Kind::kSurface, .levels = levels, .rule = rule, .solve = solve}, "subdividing");
 }
 

@@ -4,9 +4,11 @@
 #include <imgui/imgui.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "app/cli/command.h"
 #include "app/session/tracking_summary.h"
+#include "app/studio/icon.h"
 #include "app/studio/shortcuts.h"
 #include "app/studio/theme.h"
 #include "engine/clay/presets.h"
@@ -54,6 +56,21 @@ bool toggle(const char* label, bool on, const ImVec2& size) {
   }
   const bool pressed = ImGui::Button(label, size);
   if (on) ImGui::PopStyleColor(3);
+  return pressed;
+}
+
+/// A toggle with an icon above its name.
+bool iconToggle(const Tool& tool, bool on, const ImVec2& size) {
+  const std::string id = std::string("##tool ") + tool.id;
+  const bool pressed = toggle(id.c_str(), on, size);
+  const ImVec2 low = ImGui::GetItemRectMin(), text = ImGui::CalcTextSize(tool.name);
+  const float icon = size.y - text.y - 0.6f * ImGui::GetFontSize(), middle = low.x + size.x / 2;
+  const ImU32 color = on ? IM_COL32_WHITE : ImGui::GetColorU32(ImGuiCol_Text);
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  drawIcon(list, tool.icon, ImVec2(middle - icon / 2, low.y + 0.2f * ImGui::GetFontSize()), icon,
+           0.1f * ImGui::GetFontSize(), color);
+  list.AddText(ImVec2(middle - text.x / 2, low.y + size.y - text.y - 0.2f * ImGui::GetFontSize()), color,
+               tool.name);
   return pressed;
 }
 
@@ -143,18 +160,15 @@ void Panels::drawTools(const DocumentView& document, PanelRequests& requests) {
   ImGui::SetNextWindowPos(ImVec2(kMargin, menu_height_ + kMargin));
   ImGui::Begin("Sculpt", nullptr, kPanel);
   const float em = ImGui::GetFontSize();
-  const ImVec2 third(em * 4.2f, em * 2.4f);
-  const struct {
-    Tool tool;
-    const char *label, *tip;
-  } tools[] = {{Tool::kPush, "Push", "The clay gives way to the hand  (1)"},
-               {Tool::kPull, "Pull", "Touched clay sticks to the hand and follows it  (2)"},
-               {Tool::kSmooth, "Smooth", "Clay near the hand relaxes  (3)"}};
-  for (const auto& [tool, label, words] : tools) {
-    if (tool != Tool::kPush) ImGui::SameLine();
-    if (toggle(label, settings_.tool == tool, third)) settings_.tool = tool;
-    tip(words);
+  const ImVec2 third(em * 4.2f, em * 3.6f);
+  for (std::size_t i = 0; i < settings_.tools.size(); ++i) {
+    const Tool& tool = settings_.tools[i].tool();
+    if (i % 3 != 0) ImGui::SameLine();
+    if (iconToggle(tool, settings_.tool == i, third)) settings_.tool = i;
+    const std::string key = i < kToolKeys ? "  (" + std::to_string(i + 1) + ")" : "";
+    tip((tool.description + key).c_str());
   }
+  drawToolSettings(settings_.tools[settings_.tool], 3 * third.x + 2 * ImGui::GetStyle().ItemSpacing.x);
   ImGui::TextDisabled("Symmetry");
   const struct {
     bool& on;
@@ -182,6 +196,23 @@ void Panels::drawTools(const DocumentView& document, PanelRequests& requests) {
   drawSurface(document);
   if (ImGui::CollapsingHeader("Show")) drawShown();
   ImGui::End();
+}
+
+/// A slider per setting; Ctrl click types a value, a right click restores the initial one.
+void Panels::drawToolSettings(ToolChoice& choice, float width) {
+  for (std::size_t i = 0; i < choice.values().size(); ++i) {
+    const ToolSetting& setting = choice.tool().settings[i];
+    const std::string format =
+        std::string(setting.name) + (*setting.unit ? "  %.0f " + std::string(setting.unit) : "  %.1f");
+    float value = static_cast<float>(choice.values()[i]);
+    ImGui::SetNextItemWidth(width);
+    if (ImGui::SliderFloat((std::string("##") + choice.tool().id + setting.id).c_str(), &value,
+                           static_cast<float>(setting.minimum), static_cast<float>(setting.maximum),
+                           format.c_str(), ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp))
+      choice.setValue(i, *setting.unit ? std::round(value) : std::round(10 * value) / 10);
+    if (ImGui::IsItemClicked(ImGuiMouseButton_Right)) choice.setValue(i, setting.initial);
+    tip("Drag; Ctrl click to type; right click for the default");
+  }
 }
 
 void Panels::drawClutch(float half, PanelRequests& requests) {
@@ -242,14 +273,18 @@ void Panels::drawSurface(const DocumentView& document) {
     if (levels != document.levels) session_.setSurface(levels, document.rule, document.solve);
   }
   tip("How often the cage is subdivided");
-  int rule = document.rule == SubdivisionRule::kPrinted, solve = document.solve == SolveMethod::kTouched;
+  int rule = document.rule == SubdivisionRule::kPrinted;
   ImGui::SetNextItemWidth(ImGui::GetFontSize() * 9);
   if (ImGui::Combo("rule", &rule, "Catmull-Clark\0as printed\0"))
     session_.setSurface(document.levels, rule ? SubdivisionRule::kPrinted : SubdivisionRule::kCatmullClark,
                         document.solve);
   ImGui::SetNextItemWidth(ImGui::GetFontSize() * 9);
-  if (ImGui::Combo("solve", &solve, "all points\0touched points\0"))
-    session_.setSurface(document.levels, document.rule, solve ? SolveMethod::kTouched : SolveMethod::kAll);
+  if (ImGui::BeginCombo("solve", document.solve->name)) {
+    for (const SolveMethod* method : solveMethods())
+      if (ImGui::Selectable(method->name, method == document.solve) && method != document.solve)
+        session_.setSurface(document.levels, document.rule, method);
+    ImGui::EndCombo();
+  }
   if (ImGui::Button("Refine")) session_.refineClay();
   tip("A finer cage under the same surface, to add detail  (R)");
 }

@@ -38,6 +38,9 @@ struct PanelRequests {
   int clutch_key = 0;    ///< GLFW's number of the key that was pressed when one was asked for
 };
 
+/// The number keys 1 to 4 choose tools; 5 and up choose views.
+inline constexpr std::size_t kToolKeys = 4;
+
 class Panels {
  public:
   Panels(Session& session, StudioSettings& settings) : session_(session), settings_(settings) {}
@@ -51,6 +54,7 @@ class Panels {
  private:
   void drawMenu(const DocumentView& document, PanelRequests& requests);
   void drawTools(const DocumentView& document, PanelRequests& requests);
+  void drawToolSettings(ToolChoice& choice, float width);
   void drawClutch(float half, PanelRequests& requests);
   void drawRecorder(const ImVec2& size, PanelRequests& requests);
   void drawTask();

@@ -40,7 +40,29 @@ std::vector<Switch> switchesOf(StudioSettings& settings) {
           {"show_graph", settings.show_graph},       {"first_run", settings.first_run}};
 }
 
+/// `tool`: an id, or in files of version 0.1 an index; `tools`: formatTool()'s texts. Unknown ones are
+/// skipped.
+void readTools(const toml::table& table, StudioSettings& settings) {
+  if (const toml::array* texts = table["tools"].as_array())
+    for (const toml::node& text : *texts) try {
+        const ToolChoice saved = parseTool(text.value_or(std::string()));
+        for (ToolChoice& choice : settings.tools)
+          if (choice.is(saved.tool())) choice = saved;
+      } catch (const Error&) {
+      }
+  const auto index = table["tool"].value<std::int64_t>();
+  const std::string id = table["tool"].value_or(std::string());
+  for (std::size_t i = 0; i < settings.tools.size(); ++i)
+    if (id == settings.tools[i].tool().id || index == std::int64_t(i)) settings.tool = i;
+}
+
 }  // namespace
+
+std::vector<ToolChoice> defaultTools() {
+  std::vector<ToolChoice> choices;
+  for (const Tool* tool : tools()) choices.emplace_back(*tool);
+  return choices;
+}
 
 std::filesystem::path configFolder() {
   return baseFolder("XDG_CONFIG_HOME", ".config");
@@ -63,10 +85,9 @@ StudioSettings loadSettings() {
     number("window_width", 640, 16'384, settings.window_width);
     number("window_height", 400, 16'384, settings.window_height);
     number("clutch_key", 32, 348, settings.clutch_key);
-    int tool = 0, clutch = 0;
-    number("tool", 0, 2, tool);
+    int clutch = 0;
+    readTools(table, settings);
     number("clutch", 0, 1, clutch);
-    settings.tool = static_cast<Tool>(tool);
     settings.clutch = static_cast<Clutch>(clutch);
     settings.folder = table["folder"].value_or(std::string());
     for (const Switch& one : switchesOf(settings)) one.value = table[one.key].value_or(one.value);
@@ -81,10 +102,14 @@ StudioSettings loadSettings() {
 
 void saveSettings(const StudioSettings& settings) {
   StudioSettings copy = settings;
-  toml::table table{{"window_width", settings.window_width},       {"window_height", settings.window_height},
-                    {"clutch_key", settings.clutch_key},           {"tool", static_cast<int>(settings.tool)},
-                    {"clutch", static_cast<int>(settings.clutch)}, {"folder", settings.folder.string()}};
+  toml::table table{
+      {"window_width", settings.window_width},       {"window_height", settings.window_height},
+      {"clutch_key", settings.clutch_key},           {"tool", settings.tools[settings.tool].tool().id},
+      {"clutch", static_cast<int>(settings.clutch)}, {"folder", settings.folder.string()}};
   for (const Switch& one : switchesOf(copy)) table.insert(one.key, one.value);
+  toml::array tools;
+  for (const ToolChoice& choice : settings.tools) tools.push_back(formatTool(choice));
+  table.insert("tools", std::move(tools));
   std::ostringstream text;
   text << table << "\n";
   try {

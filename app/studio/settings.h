@@ -8,9 +8,13 @@
 
 namespace airclay {
 
+/// Every registered tool with its initial settings.
+std::vector<ToolChoice> defaultTools();
+
 struct StudioSettings {
-  int window_width = 1280, window_height = 800;  ///< screen units
-  Tool tool = Tool::kPush;
+  int window_width = 1280, window_height = 800;    ///< screen units
+  std::vector<ToolChoice> tools = defaultTools();  ///< every tool, with its settings
+  std::size_t tool = 0;                            ///< the current one of `tools`
   Symmetry symmetry;
   Clutch clutch = Clutch::kContact;
   bool filtered = true;

@@ -167,10 +167,7 @@ class Studio {
     };
     keys_ = {
         {"Sculpt",
-         {key(GLFW_KEY_1, "1", "push", [this] { settings_.tool = Tool::kPush; }),
-          key(GLFW_KEY_2, "2", "pull", [this] { settings_.tool = Tool::kPull; }),
-          key(GLFW_KEY_3, "3", "smooth", [this] { settings_.tool = Tool::kSmooth; }),
-          shown_only(keyName(settings_.clutch_key), "the clutch, while it is held"),
+         {shown_only(keyName(settings_.clutch_key), "the clutch, while it is held"),
           key(GLFW_KEY_X, "X", "symmetry left and right", [this] { settings_.symmetry.x ^= true; }),
           key(GLFW_KEY_Y, "Y", "symmetry front and back", [this] { settings_.symmetry.y ^= true; }),
           shown_only("Arrows", "turn the clay", {GLFW_KEY_LEFT, GLFW_KEY_RIGHT, GLFW_KEY_UP, GLFW_KEY_DOWN}),
@@ -204,6 +201,13 @@ class Studio {
           key(GLFW_KEY_C, "C", "cameras", [this] { settings_.show_cameras ^= true; }),
           key(GLFW_KEY_TAB, "Tab", "panels", [this] { settings_.show_panels ^= true; }),
           key(GLFW_KEY_F1, "F1", "this help", [this] { show_help_ = !show_help_; })}}};
+    std::vector<KeyBinding> tool_keys;
+    for (std::size_t i = 0; i < std::min(settings_.tools.size(), kToolKeys); ++i) {
+      tool_keys.push_back(
+          key(GLFW_KEY_1 + int(i), "", settings_.tools[i].tool().name, [this, i] { settings_.tool = i; }));
+      tool_keys.back().shown = std::to_string(i + 1);
+    }
+    keys_.front().bindings.insert(keys_.front().bindings.begin(), tool_keys.begin(), tool_keys.end());
     if (session_.isLive())
       keys_.push_back({"Cameras",
                        {key(GLFW_KEY_E, "E", "learn the empty workspace again: hand and arm away",
@@ -233,7 +237,8 @@ class Studio {
     if (!chooser_.isOpen() && !panels_.asksForKey()) obeyKeys(keys_);
     if (!io.WantCaptureMouse) takeMouse(io);
     if (!io.WantTextInput && !chooser_.isOpen()) takeHeldKeys(io, step_s);
-    SessionSettings settings{settings_.tool, settings_.symmetry, settings_.clutch, false, settings_.filtered};
+    SessionSettings settings{settings_.tools[settings_.tool], settings_.symmetry, settings_.clutch, false,
+                             settings_.filtered};
     settings.clutch_down = !io.WantTextInput && ImGui::IsKeyDown(settings_.clutch_key);
     session_.set(settings);
     if (!session_.hasRecording()) session_.setMouseHand(mouse_hand_);

@@ -17,7 +17,7 @@ class Clay {
   Clay(Gpu& gpu, const ClayState& state, const Vec3& workspace_center);
 
   const Subdivision& subdivision() const { return subdivision_; }
-  SolveMethod solveMethod() const { return solve_method_; }
+  const SolveMethod& solveMethod() const { return *solve_method_; }
   int levels() const { return levels_; }
   const std::vector<std::vector<int>>& cageFaces() const { return cage_faces_; }
   int controlPointCount() const { return static_cast<int>(subdivision_.matrix.cols()); }
@@ -58,7 +58,7 @@ class Clay {
   Vec3 workspace_center_;
   Eigen::Quaterniond workspace_from_clay_;
   std::vector<std::vector<int>> cage_faces_;
-  SolveMethod solve_method_;
+  const SolveMethod* solve_method_;
   int levels_;
   Subdivision subdivision_;
   SurfaceEvaluator evaluator_;

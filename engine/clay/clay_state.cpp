@@ -16,10 +16,11 @@ void checkClayState(const ClayState& state, const std::string& where) {
   if (points.size() > kMaxStatePoints)
     throw Error(where + ": " + std::to_string(points.size()) + " control points are too many; at most " +
                 std::to_string(kMaxStatePoints) + " would be right");
-  if (state.solve == SolveMethod::kAll && points.size() > AllRowsSolver::kMaxControlPoints)
+  if (points.size() > std::size_t(state.solve->max_control_points))
     throw Error(where + ": " + std::to_string(points.size()) +
-                " control points are too many for the solve 'all', which takes at most " +
-                std::to_string(AllRowsSolver::kMaxControlPoints) + "; the solve 'touched' would be right");
+                " control points are too many for the solve '" + state.solve->id + "', which takes at most " +
+                std::to_string(state.solve->max_control_points) + "; the solve '" + kSolveTouched.id +
+                "' would be right");
   for (std::size_t i = 0; i < points.size(); ++i)
     if (!points[i].allFinite())
       throw Error(where + ": control point " + std::to_string(i + 1) +

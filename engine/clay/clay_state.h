@@ -15,7 +15,7 @@ struct ClayState {
   PolygonMesh cage;  ///< metres, world
   SubdivisionRule rule = SubdivisionRule::kCatmullClark;
   int levels = 2;
-  SolveMethod solve = SolveMethod::kAll;
+  const SolveMethod* solve = &kSolveAll;
   /// How the clay's own frame stands in the workspace's: the planes of symmetry are the clay's, and turn with
   /// it. Where the control points are, `cage` says alone.
   Eigen::Quaterniond workspace_from_clay = Eigen::Quaterniond::Identity();
@@ -27,8 +27,7 @@ inline constexpr std::size_t kMaxStateCorners = 20'000'000;  ///< of all faces: 
 
 /// \throw Error that begins with `where` (a file, a command) when the cage is none (engine/mesh/manifold.h)
 /// or larger than the limits above, a coordinate is not finite, `levels` is not 1 to kMaxStateLevels, the
-/// turn is no unit quaternion, or `solve` is kAll and there are more than AllRowsSolver::kMaxControlPoints
-/// control points.
+/// turn is no unit quaternion, or there are more control points than `solve` takes.
 void checkClayState(const ClayState& state, const std::string& where);
 
 /// Bit for bit the same clay.

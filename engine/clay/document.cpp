@@ -49,8 +49,6 @@ constexpr const char* kHasTurns = "SELECT count(*) FROM pragma_table_info('entry
 
 constexpr std::pair<SubdivisionRule, const char*> kRules[] = {
     {SubdivisionRule::kCatmullClark, "catmull-clark"}, {SubdivisionRule::kPrinted, "printed"}};
-constexpr std::pair<SolveMethod, const char*> kSolves[] = {{SolveMethod::kAll, "all"},
-                                                           {SolveMethod::kTouched, "touched"}};
 
 template <class Value, std::size_t n>
 std::string wordOf(const std::pair<Value, const char*> (&words)[n], Value value) {
@@ -263,7 +261,7 @@ std::int64_t Document::insertEntry(const Entry& entry, const Loaded& loaded) {
       .bind(2, entry.unix_time_s)
       .bind(3, std::string_view(wordOf(kRules, loaded.state.rule)))
       .bind(4, static_cast<std::int64_t>(loaded.state.levels))
-      .bind(5, std::string_view(wordOf(kSolves, loaded.state.solve)))
+      .bind(5, std::string_view(loaded.state.solve->id))
       .bind(6, loaded.connectivity)
       .bind(7, std::as_bytes(std::span(loaded.state.cage.points)));
   insert.next();
@@ -311,13 +309,13 @@ Document::Loaded Document::load(const Entry& entry) const {
   if (!select.bind(1, entry.id).next())
     database_.failDamaged("entry " + std::to_string(entry.id) + " is missing");
   const std::optional<SubdivisionRule> rule = valueOf(kRules, select.text(0));
-  const std::optional<SolveMethod> solve = valueOf(kSolves, select.text(2));
+  const SolveMethod* solve = findSolveMethod(select.text(2));
   if (!rule || !solve)
     throw Error(where(entry) + " has an unknown " +
-                (rule ? "solve; all or touched" : "rule; catmull-clark or printed") + " would be right");
+                (rule ? "solve; " + solveMethodIds() : "rule; catmull-clark or printed") + " would be right");
   Loaded loaded;
   loaded.state.rule = *rule;
-  loaded.state.solve = *solve;
+  loaded.state.solve = solve;
   loaded.state.levels = static_cast<int>(std::clamp<std::int64_t>(select.number(1), 0, kMaxStateLevels + 1));
   loaded.connectivity = select.number(3);
   // Strokes share their faces: those at hand need not be read again.

@@ -9,13 +9,12 @@ namespace airclay {
 
 ClayState refine(const ClayState& state) {
   const Subdivision step = subdivide(state.cage, 1, state.rule);
-  const bool all_rows = state.solve == SolveMethod::kAll;
-  const std::size_t most = all_rows ? AllRowsSolver::kMaxControlPoints : kMaxStatePoints;
+  const std::size_t most = std::min(std::size_t(state.solve->max_control_points), kMaxStatePoints);
   if (static_cast<std::size_t>(step.matrix.rows()) > most)
-    throw Error(
-        "refining makes " + std::to_string(step.matrix.rows()) + " control points of " +
-        std::to_string(state.cage.points.size()) + "; at most " + std::to_string(most) +
-        (all_rows ? " can be solved over all rows: the solve 'touched' takes more" : " are possible"));
+    throw Error("refining makes " + std::to_string(step.matrix.rows()) + " control points of " +
+                std::to_string(state.cage.points.size()) + "; at most " + std::to_string(most) +
+                (state.solve->holds_unmoved ? " can be solved over all rows: the solve 'touched' takes more"
+                                            : " are possible"));
   ClayState refined;
   refined.cage.points = dataPoints(step.matrix, state.cage.points);
   for (const std::array<int, 4>& quad : step.quads) refined.cage.faces.emplace_back(quad.begin(), quad.end());

@@ -5,6 +5,22 @@
 #include "shaders/clay/solve_project.comp.h"
 
 namespace airclay {
+namespace {
+
+std::unique_ptr<ClaySolver> createAllSolver(Gpu& gpu, const StencilMatrix& matrix) {
+  return std::make_unique<ControlPointSolver>(gpu, matrix);
+}
+
+}  // namespace
+
+const SolveMethod kSolveAll = {
+    .id = "all",
+    .name = "all points",
+    .description = "all data points; those that the hand did not move hold their place",
+    .holds_unmoved = true,
+    .max_control_points = AllRowsSolver::kMaxControlPoints,
+    .create = createAllSolver,
+};
 
 ControlPointSolver::ControlPointSolver(Gpu& gpu, const StencilMatrix& matrix)
     : control_point_count_(static_cast<std::uint32_t>(matrix.cols())),

@@ -9,18 +9,13 @@
 #include <Eigen/Cholesky>
 #include <filesystem>
 
+#include "engine/clay/solve_method.h"
 #include "engine/clay/subdivide.h"
 #include "shaders/clay/solve_io.h"
 
 namespace airclay {
 
-/// Which rows of A a move is solved over.
-enum class SolveMethod {
-  kAll,      ///< every data point: those not moved hold their place as well as the surface can
-  kTouched,  ///< the moved ones alone: the rest follows freely
-};
-
-/// A data point and where it is to go.
+/// A data point and its target.
 struct Move {
   int index = 0;               ///< row of A
   Vec3 target = Vec3::Zero();  ///< metres, world
@@ -34,9 +29,10 @@ inline constexpr double kSingularCutoff = 1e-7;
 inline constexpr double kTouchedDamping = 0.1;
 
 /// New control points, exact Moore-Penrose over the chosen rows (damping = 0) or damped least squares
-/// (damping > 0, rows = kTouched). Every moved row counts once: \pre indices are in range and different.
+/// (damping > 0, kSolveTouched). Every moved row counts once: \pre indices are in range and different.
 std::vector<Vec3> solveControlPoints(const StencilMatrix& matrix, const std::vector<Vec3>& control_points,
-                                     const std::vector<Move>& moves, SolveMethod rows, double damping = 0);
+                                     const std::vector<Move>& moves, const SolveMethod* method,
+                                     double damping = 0);
 
 /// The repeated `all` solve of one subdivision: factored once, kept as long as the matrix holds.
 /// displacement of control points = gram_inverse() * (Aᵀ * displacement of data points).
@@ -75,21 +71,21 @@ class TouchedRowsSolver {
 };
 
 /// The `all` solve on the GPU, in double precision.
-class ControlPointSolver {
+class ControlPointSolver final : public ClaySolver {
  public:
   /// \throw Error as AllRowsSolver.
   ControlPointSolver(Gpu& gpu, const StencilMatrix& matrix);
 
-  /// Records p += (AᵀA)⁺ Aᵀ r. `displacements`: r, one a data point; `exact_points`: p, x y z of each control
-  /// point, kept in double so that thousands of frames don't drift; `control_points`: the same, rounded.
+  /// recordIndirect() with the full number of workgroups.
   void record(Recorder& recorder, const Buffer<vec3>& displacements, const Buffer<double>& exact_points,
               const Buffer<vec3>& control_points);
-  /// The same, for as many workgroups as stand on the device: three uints for each of the two kernels.
+  bool onDevice() const override { return true; }
   void recordIndirect(Recorder& recorder, const Buffer<vec3>& displacements,
                       const Buffer<double>& exact_points, const Buffer<vec3>& control_points,
-                      const RawBuffer& groups, std::uint64_t project_offset, std::uint64_t apply_offset);
-  std::uint32_t projectGroups() const { return control_point_count_; }
-  std::uint32_t applyGroups() const { return groupsFor(control_point_count_, kSolveWorkgroup); }
+                      const RawBuffer& groups, std::uint64_t project_offset,
+                      std::uint64_t apply_offset) override;
+  std::uint32_t projectGroups() const override { return control_point_count_; }
+  std::uint32_t applyGroups() const override { return groupsFor(control_point_count_, kSolveWorkgroup); }
 
  private:
   SolveProjectArgs projectArgs(const Buffer<vec3>& displacements) const;

@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "engine/clay/solve.h"
+#include "engine/clay/touched_rows.h"
 #include "engine/core/error.h"
 #include "engine/core/task.h"
 
@@ -111,31 +112,6 @@ Displacements pseudoinverseTimes(const StencilMatrix& matrix, const Displacement
   return singularValues(reduced.triangle).solve(reduced.right_side);
 }
 
-/// The moved rows of A over the control points that they depend on: the others don't move.
-struct TouchedRows {
-  std::vector<int> columns;  ///< control points, ascending
-  StencilMatrix matrix;      ///< rows by columns
-};
-
-TouchedRows touchedRows(const StencilMatrix& matrix, const std::vector<int>& rows) {
-  TouchedRows touched;
-  for (const int row : rows)
-    for (StencilMatrix::InnerIterator entry(matrix, row); entry; ++entry)
-      touched.columns.push_back(int(entry.col()));
-  std::sort(touched.columns.begin(), touched.columns.end());
-  touched.columns.erase(std::unique(touched.columns.begin(), touched.columns.end()), touched.columns.end());
-
-  std::vector<Eigen::Triplet<double>> weights;
-  for (size_t i = 0; i < rows.size(); ++i)
-    for (StencilMatrix::InnerIterator entry(matrix, rows[i]); entry; ++entry) {
-      const auto column = std::lower_bound(touched.columns.begin(), touched.columns.end(), int(entry.col()));
-      weights.emplace_back(int(i), int(column - touched.columns.begin()), entry.value());
-    }
-  touched.matrix.resize(Eigen::Index(rows.size()), Eigen::Index(touched.columns.size()));
-  touched.matrix.setFromTriplets(weights.begin(), weights.end());
-  return touched;
-}
-
 void checkMoves(const StencilMatrix& matrix, const std::vector<Move>& moves) {
   std::vector<int> indices;
   for (const Move& move : moves) indices.push_back(move.index);
@@ -149,12 +125,13 @@ void checkMoves(const StencilMatrix& matrix, const std::vector<Move>& moves) {
 }  // namespace
 
 std::vector<Vec3> solveControlPoints(const StencilMatrix& matrix, const std::vector<Vec3>& control_points,
-                                     const std::vector<Move>& moves, SolveMethod rows, double damping) {
+                                     const std::vector<Move>& moves, const SolveMethod* method,
+                                     double damping) {
   checkMoves(matrix, moves);
   std::vector<Vec3> solved = control_points;
   if (moves.empty()) return solved;
   const Displacements wanted = moveDisplacements(matrix, control_points, moves);
-  if (rows == SolveMethod::kAll) {
+  if (method->holds_unmoved) {
     if (damping > 0) throw Error("the solve over all rows takes no damping; solve the touched rows");
     Displacements all_wanted = Displacements::Zero(matrix.rows(), 3);  // those not moved are to stay
     for (size_t i = 0; i < moves.size(); ++i) all_wanted.row(moves[i].index) = wanted.row(Eigen::Index(i));
@@ -177,38 +154,6 @@ std::vector<Vec3> solveControlPoints(const StencilMatrix& matrix, const std::vec
   for (size_t i = 0; i < touched.columns.size(); ++i)
     solved[size_t(touched.columns[i])] += moved.row(Eigen::Index(i)).transpose();
   return solved;
-}
-
-TouchedRowsSolver::TouchedRowsSolver(const StencilMatrix& matrix, const std::vector<int>& rows,
-                                     double damping)
-    : control_point_count_(int(matrix.cols())), rows_(rows) {
-  TouchedRows touched = touchedRows(matrix, rows);
-  columns_ = std::move(touched.columns);
-  touched_ = std::move(touched.matrix);
-  more_rows_ = touched_.rows() > touched_.cols();
-  if (const Eigen::Index size = std::min(touched_.rows(), touched_.cols());
-      size > AllRowsSolver::kMaxControlPoints)
-    throw Error("the damped solve over " + std::to_string(size) +
-                " control points is too large; it takes up to " +
-                std::to_string(AllRowsSolver::kMaxControlPoints));
-  // (AᵀA + λ²I)⁻¹Aᵀ b = Aᵀ(AAᵀ + λ²I)⁻¹ b: whichever matrix is smaller
-  const StencilMatrix transposed = touched_.transpose();
-  MatrixXd gram = more_rows_ ? MatrixXd(StencilMatrix(transposed * touched_))
-                             : MatrixXd(StencilMatrix(touched_ * transposed));
-  gram.diagonal().array() += damping * damping;
-  factor_.compute(gram);
-}
-
-std::vector<Vec3> TouchedRowsSolver::controlDisplacements(const std::vector<Vec3>& row_displacements) const {
-  Displacements wanted(touched_.rows(), 3);
-  for (size_t i = 0; i < row_displacements.size(); ++i)
-    wanted.row(Eigen::Index(i)) = row_displacements[i].transpose();
-  const MatrixXd moved = more_rows_ ? MatrixXd(factor_.solve(MatrixXd(touched_.transpose() * wanted)))
-                                    : MatrixXd(touched_.transpose() * MatrixXd(factor_.solve(wanted)));
-  std::vector<Vec3> displacements(size_t(control_point_count_), Vec3::Zero());
-  for (size_t i = 0; i < columns_.size(); ++i)
-    displacements[size_t(columns_[i])] = moved.row(Eigen::Index(i)).transpose();
-  return displacements;
 }
 
 AllRowsSolver::AllRowsSolver(const StencilMatrix& matrix) {

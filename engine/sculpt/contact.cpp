@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "engine/sculpt/contact.h"
 
-#include "shaders/sculpt/contact_begin.comp.h"
+#include "engine/clay/clay.h"
 #include "shaders/sculpt/contact_check.comp.h"
 #include "shaders/sculpt/contact_find.comp.h"
 #include "shaders/sculpt/contact_push.comp.h"
@@ -9,90 +9,80 @@
 namespace airclay {
 namespace {
 
-/// A fifth of a finger's width: the grid rounds off no more than that. The hand takes 1.5 MB.
-constexpr double kCell_m = 0.0025;
-/// Outside, distances go on from the border: far enough that their bend does not matter.
-constexpr double kMargin_m = 0.03;
+class PushTool final : public ToolInstance {
+ public:
+  explicit PushTool(const ToolContext& context)
+      : frame_(context.frame), clay_(context.clay), finder_(context.gpu, context.frame) {}
+
+  std::uint32_t imagesPerPoint() const override { return imageCount(frame_.mirrors()); }
+  void recordCheck(Recorder& recorder, const ToolChoice&, double, bool first) override {
+    finder_.recordCheck(recorder, clay_.dataPoints(), first);
+  }
+  void recordDisplacements(Recorder& recorder) override { finder_.recordPush(recorder); }
+
+  /// The rows that are reached: those inside move to the hand's surface, the others stay.
+  std::vector<Vec3> displacementsOnHost(std::vector<int>& rows) const override {
+    const GpuContactFrame frame = frame_.state().download()[0];
+    const Eigen::Quaterniond rotation(Eigen::Vector4d(frame.rotation_now.cast<double>()));
+    const std::vector<GpuContactPoint> points = finder_.points();
+    const auto count = std::size_t(clay_.dataPointCount());
+    const std::uint32_t mirrors = frame_.mirrors();
+    std::vector<Vec3> displacements, requested;
+    for (std::size_t i = 0; i < count; ++i) {
+      requested.clear();
+      for (std::uint32_t image = 0; image < imageCount(mirrors); ++image) {
+        const GpuContactPoint& point = points[image * count + i];
+        if (point.state != kPointReached) continue;
+        const Vec3 push = rotation * (std::max(point.depth, 0.0f) * point.direction).cast<double>();
+        requested.push_back(mirrorOf(mirrors, image).cwiseProduct(push));
+      }
+      if (requested.empty()) continue;
+      rows.push_back(static_cast<int>(i));
+      displacements.push_back(agreedDisplacement(requested));
+    }
+    return displacements;
+  }
+  double remainingMetres() const override { return frame_.summary().depth_m; }
+
+ private:
+  const ContactFrame& frame_;
+  const Clay& clay_;
+  ContactFinder finder_;
+};
+
+std::unique_ptr<ToolInstance> createPushTool(const ToolContext& context) {
+  return std::make_unique<PushTool>(context);
+}
 
 }  // namespace
 
-DistanceGrid contactGrid(const TriangleMesh& skin) {
-  DistanceGrid grid = signedDistanceGrid(skin, kCell_m, kMargin_m);
-  grid.low_corner -= massProperties(skin).centroid;
-  return grid;
-}
+const Tool kPushTool = {
+    .id = "push",
+    .name = "Push",
+    .description = "The clay gives way to the hand",
+    // a dent in a surface, and an arrow into it
+    .icon = "M2 15 L6 15 C9 15 9 20 12 20 C15 20 15 15 18 15 L22 15 M12 3 L12 14 M8 10 L12 14 L16 10",
+    .create = createPushTool,
+};
 
-ContactFrame::ContactFrame(Gpu& gpu, const DistanceGrid& hand, std::uint32_t data_point_count,
-                           std::uint32_t project_groups, std::uint32_t apply_groups)
-    : grid_{hand.low_corner, hand.cell_m, hand.size, {}},
-      begin_(gpu, "contact_begin", contact_begin_comp),
-      distances_(gpu, hand.values),
-      state_(gpu, 1),
-      summary_(gpu, 1, Memory::kHost),
-      displacements_(gpu, data_point_count) {
-  const GroupRows rows = groupRowsFor(data_point_count, kContactWorkgroup);
-  groups_ = {rows.x, rows.y, project_groups, apply_groups, 1};
-}
-
-void ContactFrame::recordBegin(Recorder& recorder, const Buffer<GpuFit>& fit, bool held,
-                               std::uint32_t images) {
-  groups_.images = images;
-  ContactBeginArgs begin{};
-  begin.fit = fit;
-  begin.frame = state_;
-  begin.clay_from_workspace = clay_from_workspace_.coeffs().cast<float>();
-  begin.groups = groups_;
-  begin.held = held ? 1 : 0;
-  begin.forget = forget_ ? 1 : 0;
-  forget_ = false;
-  recorder.dispatch(begin_, begin, 1);
-}
-
-HandDistances ContactFrame::hand() const {
-  HandDistances hand{};
-  hand.values = distances_;
-  hand.low_corner = grid_.low_corner.cast<float>();
-  hand.cell_m = static_cast<float>(grid_.cell_m);
-  hand.size_x = static_cast<std::uint32_t>(grid_.size[0]);
-  hand.size_y = static_cast<std::uint32_t>(grid_.size[1]);
-  hand.size_z = static_cast<std::uint32_t>(grid_.size[2]);
-  return hand;
-}
-
-ContactDecision ContactFrame::decision(float target_m, std::uint32_t max_repeats,
-                                       std::uint32_t max_stalls) const {
-  ContactDecision decision{};
-  decision.frame = state_;
-  decision.summary = summary_;
-  decision.groups = groups_;
-  decision.target_m = target_m;
-  decision.max_repeats = max_repeats;
-  decision.max_stalls = max_stalls;
-  return decision;
-}
-
-ContactFinder::ContactFinder(Gpu& gpu, const DistanceGrid& hand, std::uint32_t data_point_count,
-                             std::uint32_t project_groups, std::uint32_t apply_groups)
+ContactFinder::ContactFinder(Gpu& gpu, const ContactFrame& frame)
     : gpu_(gpu),
-      frame_(gpu, hand, data_point_count, project_groups, apply_groups),
+      frame_(frame),
       find_(gpu, "contact_find", contact_find_comp, {kContactWorkgroup}),
       check_(gpu, "contact_check", contact_check_comp, {gpu.reductionWorkgroup()}),
       push_(gpu, "contact_push", contact_push_comp, {kContactWorkgroup}),
-      points_(gpu, data_point_count) {}  // the first tracked frame fills all
+      points_(gpu, frame.dataPointCount()) {}  // the first tracked frame fills all
 
-void ContactFinder::setMirrors(std::uint32_t mirrors) {
-  if (mirrors == mirrors_) return;
-  mirrors_ = mirrors;
-  points_ = Buffer<GpuContactPoint>(gpu_, std::size_t(frame_.dataPointCount()) * imageCount(mirrors));
-  forget();
-}
+void ContactFinder::recordCheck(Recorder& recorder, const Buffer<vec3>& data_points, bool first) {
+  if (const std::size_t count = std::size_t(frame_.dataPointCount()) * imageCount(frame_.mirrors());
+      first && points_.count() != count)
+    points_ = Buffer<GpuContactPoint>(gpu_, count);
 
-void ContactFinder::recordFind(Recorder& recorder, const Buffer<vec3>& data_points, bool first) {
   ContactFindArgs find{};
   find.frame = frame_.state();
   find.data_points = data_points;
   find.points = points_;
-  find.mirrors = mirrors_;
+  find.mirrors = frame_.mirrors();
   find.data_point_count = frame_.dataPointCount();
   find.first = first ? 1 : 0;
   find.hand = frame_.hand();
@@ -105,24 +95,14 @@ void ContactFinder::recordFind(Recorder& recorder, const Buffer<vec3>& data_poin
   recorder.dispatchIndirect(check_, check, frame_.groups(), ContactFrame::kCheckGroups);
 }
 
-void ContactFinder::recordFrame(Recorder& recorder, const Buffer<GpuFit>& fit, bool held,
-                                const Buffer<vec3>& data_points) {
-  frame_.recordBegin(recorder, fit, held, imageCount(mirrors_));
-  recordFind(recorder, data_points, true);
-}
-
 void ContactFinder::recordPush(Recorder& recorder) {
   ContactPushArgs push{};
   push.frame = frame_.state();
   push.points = points_;
   push.displacements = frame_.displacements();
   push.data_point_count = frame_.dataPointCount();
-  push.mirrors = mirrors_;
+  push.mirrors = frame_.mirrors();
   recorder.dispatchIndirect(push_, push, frame_.groups(), ContactFrame::kPointGroups);
-}
-
-void ContactFinder::recordCheck(Recorder& recorder, const Buffer<vec3>& data_points) {
-  recordFind(recorder, data_points, false);
 }
 
 }  // namespace airclay

@@ -5,26 +5,25 @@
 namespace airclay {
 
 std::uint32_t gripReference(const DistanceGrid& hand, const ContactPose& now, std::uint32_t mirrors,
-                            const Vec3& data_point) {
+                            const Vec3& data_point, double reach_m) {
   std::uint32_t images = 0;
   for (std::uint32_t image = 0; image < imageCount(mirrors); ++image) {
     const Vec3 mirrored = mirrorOf(mirrors, image).cwiseProduct(data_point);
-    if (sample(hand, now.rotation.conjugate() * (mirrored - now.position)) <= double(kGripReach_m))
-      images |= 1u << image;
+    if (sample(hand, now.rotation.conjugate() * (mirrored - now.position)) <= reach_m) images |= 1u << image;
   }
   return images;
 }
 
 Vec3 gripTarget(const ContactPose& gripped, const ContactPose& now, std::uint32_t mirrors,
                 std::uint32_t images, const Vec3& start) {
-  std::vector<Vec3> wanted;
+  std::vector<Vec3> requested;
   for (std::uint32_t image = 0; image < imageCount(mirrors); ++image) {
     if ((images >> image & 1) == 0) continue;
     const Vec3 mirror = mirrorOf(mirrors, image);
     const Vec3 in_hand = gripped.rotation.conjugate() * (mirror.cwiseProduct(start) - gripped.position);
-    wanted.push_back(mirror.cwiseProduct(now.rotation * in_hand + now.position) - start);
+    requested.push_back(mirror.cwiseProduct(now.rotation * in_hand + now.position) - start);
   }
-  return start + agreedDisplacement(wanted);
+  return start + agreedDisplacement(requested);
 }
 
 }  // namespace airclay

@@ -5,11 +5,65 @@
 #include <cmath>
 #include <map>
 
+#include "engine/clay/clay.h"
 #include "shaders/sculpt/relax_check.comp.h"
 #include "shaders/sculpt/relax_move.comp.h"
 #include "shaders/sculpt/relax_umbrella.comp.h"
 
 namespace airclay {
+namespace {
+
+constexpr ToolSetting kSettings[] = {
+    {.id = "reach", .name = "Reach", .unit = "mm", .minimum = 2, .maximum = 40, .initial = 10},
+    {.id = "strength", .name = "Strength", .unit = "", .minimum = 0.1, .maximum = 4, .initial = 1}};
+
+class SmoothTool final : public ToolInstance {
+ public:
+  explicit SmoothTool(const ToolContext& context)
+      : frame_(context.frame),
+        clay_(context.clay),
+        relaxer_(context.gpu, context.frame, context.clay.subdivision()) {}
+
+  std::uint32_t maxRepeats() const override { return kRelaxRepeats; }
+  void recordCheck(Recorder& recorder, const ToolChoice& choice, double frame_s, bool) override {
+    const double reach_mm = choice.values()[0], strength = choice.values()[1];
+    relaxer_.record(recorder, clay_.dataPoints(), clay_.normals(),
+                    relaxStrength(clay_.levels(), strength * frame_s), 1e-3 * reach_mm);
+  }
+  std::vector<Vec3> displacementsOnHost(std::vector<int>& rows) const override {
+    std::vector<Vec3> displacements;
+    const std::vector<vec3> all = frame_.displacements().download();
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (all[i] == vec3::Zero()) continue;
+      rows.push_back(static_cast<int>(i));
+      displacements.emplace_back(all[i].cast<double>());
+    }
+    return displacements;
+  }
+  /// Smoothing has no target that it could miss.
+  double remainingMetres() const override { return 0; }
+
+ private:
+  const ContactFrame& frame_;
+  const Clay& clay_;
+  Relaxer relaxer_;
+};
+
+std::unique_ptr<ToolInstance> createSmoothTool(const ToolContext& context) {
+  return std::make_unique<SmoothTool>(context);
+}
+
+}  // namespace
+
+const Tool kSmoothTool = {
+    .id = "smooth",
+    .name = "Smooth",
+    .description = "Clay near the hand relaxes",
+    // a rough line above a smooth one
+    .icon = "M2 9 L5 5 L8 10 L11 4 L14 10 L17 5 L20 9 L22 7 M2 19 C7 14 17 14 22 19",
+    .settings = kSettings,
+    .create = createSmoothTool,
+};
 
 double relaxStrength(int levels, double frame_s) {
   const double roughest = 1 - std::cos(M_PI / std::exp2(levels));
@@ -61,7 +115,7 @@ Relaxer::Relaxer(Gpu& gpu, const ContactFrame& frame, const Subdivision& subdivi
 }
 
 void Relaxer::record(Recorder& recorder, const Buffer<vec3>& data_points, const Buffer<vec3>& normals,
-                     std::uint32_t mirrors, double strength) {
+                     double strength, double reach_m) {
   RelaxUmbrellaArgs umbrella{};
   umbrella.data_points = data_points;
   umbrella.normals = normals;
@@ -82,8 +136,9 @@ void Relaxer::record(Recorder& recorder, const Buffer<vec3>& data_points, const 
   move.borders = borders_;
   move.displacements = frame_.displacements();
   move.data_point_count = frame_.dataPointCount();
-  move.mirrors = mirrors;
+  move.mirrors = frame_.mirrors();
   move.strength = static_cast<float>(strength);
+  move.reach_m = static_cast<float>(reach_m);
   move.hand = frame_.hand();
   recorder.dispatchIndirect(move_, move, frame_.groups(), ContactFrame::kFindGroups);
 

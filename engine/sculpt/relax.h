@@ -1,39 +1,42 @@
 // SPDX-License-Identifier: MIT
 // The tool *smooth*: clay near the hand relaxes.
 //
-// The umbrella of a data point is the way to the average of its neighbours. Going that way smooths and
-// shrinks: a ball's umbrellas all point inwards. So a point goes by its umbrella less the average of its
+// The umbrella of a data point is the vector to the average of its neighbours. Moving along it smooths and
+// shrinks: a ball's umbrellas all point inwards. So a point moves by its umbrella minus the average of its
 // neighbours' (Kobbelt et al. 1998, "Interactive multi-resolution modeling on arbitrary meshes": the umbrella
-// applied twice, thin-plate energy in place of the membrane's). Only the parts along the points' own normals
-// are compared and taken: so data points don't drift across the surface, and evenly curved clay stays,
-// however coarse. On a border the two neighbours along it count, and the way across it is taken too: it
-// relaxes as the curve that it is, and the surface beside it doesn't pull it in.
+// applied twice, thin-plate energy in place of the membrane's). Only the components along the points' own
+// normals are compared and used: so data points don't drift across the surface, and evenly curved clay keeps
+// its shape, however coarse. On a border only the two neighbours along it count, and the component across it
+// is used too: the border relaxes as a curve, and the surface next to it doesn't pull it in.
 //
 // The cage cannot take every shape: its roughest one, each control point opposite to its neighbours, has the
-// eigenvalue -μ under the umbrella, μ = 1 - cos(π / 2^levels), of the grid of data points. So the way is
-// divided by μ², and clay relaxes alike at all levels. The roughest shape decays by 1 / e in kRelaxTime_s,
-// whatever the frame rate, in kRelaxRepeats steps a frame. At most all of it goes in a step, so smoothing
-// never overshoots.
+// eigenvalue -μ under the umbrella, μ = 1 - cos(π / 2^levels), of the grid of data points. So the
+// displacement is divided by μ², and clay relaxes equally fast at all levels. The roughest shape decays by 1
+// / e in kRelaxTime_s, at any frame rate, in kRelaxRepeats steps per frame. A step never exceeds the whole
+// displacement, so smoothing never overshoots.
 #pragma once
 
 #include "engine/clay/subdivide.h"
-#include "engine/sculpt/contact.h"
+#include "engine/sculpt/tool.h"
 #include "shaders/sculpt/relax_io.h"
 
 namespace airclay {
+
+extern const Tool kSmoothTool;
 
 /// Waves along one direction with four control points to each, a fingertip's dents, have an eighth of the
 /// roughest shape's eigenvalue: they decay by 1 / e in 64 times as long.
 inline constexpr double kRelaxTime_s = 0.01;
 
-/// What the ways are multiplied by in a step, for a cage subdivided `levels` times.
+/// The factor of the displacements in a step, for a cage subdivided `levels` times.
 double relaxStrength(int levels, double frame_s);
 
-/// The neighbours of each data point along the quads' edges; on a border those two that are on it too, in
-/// order.
+/// The neighbours of each data point along the quads' edges; for a point on a border the two on the same
+/// border, in order.
 struct SurfaceNeighbours {
-  std::vector<std::uint32_t> starts, entries;  ///< point i's stand from starts[i] up to starts[i + 1]
-  std::vector<std::uint32_t> borders;          ///< 1 on a border
+  std::vector<std::uint32_t> starts,
+      entries;                         ///< point i has entries[starts[i]] to entries[starts[i + 1] - 1]
+  std::vector<std::uint32_t> borders;  ///< 1 on a border
 };
 SurfaceNeighbours surfaceNeighbours(const std::vector<std::array<int, 4>>& quads,
                                     std::size_t data_point_count);
@@ -44,11 +47,10 @@ class Relaxer {
   /// `frame` outlives it.
   Relaxer(Gpu& gpu, const ContactFrame& frame, const Subdivision& subdivision);
 
-  /// Records the displacements wanted and the check of them: after ContactFrame::recordBegin, and after the
-  /// data points have moved, when the frame is not done. `normals` are of the data points at the frame's
-  /// start.
+  /// Records the displacements for the solver and a check of them. `normals`: of the data points at the
+  /// frame's start. `strength`: relaxStrength().
   void record(Recorder& recorder, const Buffer<vec3>& data_points, const Buffer<vec3>& normals,
-              std::uint32_t mirrors, double strength);
+              double strength, double reach_m = kRelaxReach_m);
 
  private:
   const ContactFrame& frame_;
@@ -60,12 +62,12 @@ class Relaxer {
 };
 
 /// The twin of relax_umbrella and relax_move, in double precision: the displacements of all data points.
-/// `nearness`: 0 to 1, one a data point.
+/// `nearness`: 0 to 1, one per data point.
 std::vector<Vec3> relaxReference(const SurfaceNeighbours& neighbours, const std::vector<Vec3>& data_points,
                                  const std::vector<Vec3>& normals, const std::vector<double>& nearness,
                                  double strength);
-/// How near a data point is to the hand or an image of it: 1 on its skin and inside, 0 from kRelaxReach_m on.
+/// How near a data point is to the hand or an image of it: 1 on its skin and inside, 0 beyond `reach_m`.
 double relaxNearness(const DistanceGrid& hand, const ContactPose& now, std::uint32_t mirrors,
-                     const Vec3& data_point);
+                     const Vec3& data_point, double reach_m = kRelaxReach_m);
 
 }  // namespace airclay

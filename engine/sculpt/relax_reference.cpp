@@ -7,8 +7,8 @@
 namespace airclay {
 namespace {
 
-/// The average of `values` over a point's neighbours, those of the border left out when `inner_only`; none
-/// when none is left.
+/// The average of `values` over a point's neighbours, without those on a border when `inner_only`. \return
+/// false when there are none
 bool averageAround(const SurfaceNeighbours& neighbours, std::size_t point, bool inner_only,
                    const std::vector<Vec3>& values, Vec3& average) {
   Vec3 sum = Vec3::Zero();
@@ -51,14 +51,14 @@ std::vector<Vec3> relaxReference(const SurfaceNeighbours& neighbours, const std:
 }
 
 double relaxNearness(const DistanceGrid& hand, const ContactPose& now, std::uint32_t mirrors,
-                     const Vec3& data_point) {
-  double distance_m = kRelaxReach_m;
+                     const Vec3& data_point, double reach_m) {
+  double distance_m = reach_m;
   for (std::uint32_t image = 0; image < imageCount(mirrors); ++image) {
     const Vec3 mirrored = mirrorOf(mirrors, image).cwiseProduct(data_point);
     distance_m = std::min(distance_m, sample(hand, now.rotation.conjugate() * (mirrored - now.position)));
   }
-  const double share = std::clamp(distance_m / double(kRelaxReach_m), 0.0, 1.0);
-  return 1 - share * share * (3 - 2 * share);
+  const double fraction = std::clamp(distance_m / reach_m, 0.0, 1.0);
+  return 1 - fraction * fraction * (3 - 2 * fraction);
 }
 
 }  // namespace airclay

@@ -1,27 +1,26 @@
 // SPDX-License-Identifier: MIT
-// What the sculptor is told anew in each frame.
+// The registry of tools.
 #pragma once
 
-#include "engine/sculpt/symmetry.h"
+#include <string_view>
+
+#include "engine/sculpt/tool.h"
 
 namespace airclay {
 
-enum class Tool {
-  kPush,    ///< the paper's: the clay gives way to the hand (engine/sculpt/contact.h)
-  kPull,    ///< touched clay sticks to the hand and follows it (engine/sculpt/grip.h)
-  kSmooth,  ///< clay near the hand relaxes (engine/sculpt/relax.h)
-};
+/// All tools, in the order of the panels and of the number keys; the first is the default.
+std::span<const Tool* const> tools();
+/// nullptr when there is none.
+const Tool* findTool(std::string_view id);
+/// "push, pull or smooth"
+std::string toolIds();
 
-/// As histories call its strokes.
-inline const char* toolName(Tool tool) {
-  return tool == Tool::kPush ? "Push" : tool == Tool::kPull ? "Pull" : "Smooth";
-}
+/// "push, pull:reach=2..40 or smooth:reach=2..40,strength=0.1..4": every tool with its settings' ranges.
+std::string toolUsage();
 
-struct SculptControls {
-  Tool tool = Tool::kPush;
-  Symmetry symmetry = {};
-  bool held = true;             ///< the clutch: false leaves the clay alone
-  double frame_s = 1.0 / 30.0;  ///< since the last frame, by the images' own clock: how far smoothing goes
-};
+/// A tool and those settings that differ from their initial values: `pull:reach=12`, `smooth`.
+std::string formatTool(const ToolChoice& choice);
+/// Reads formatTool()'s text. \throw Error naming what is wrong and what would be right
+ToolChoice parseTool(std::string_view text);
 
 }  // namespace airclay

@@ -387,7 +387,8 @@ void compareContact(Scene& scene, Comparisons& comparisons) {
   const Buffer<vec3> data_points(scene.gpu, floats(surface));
   const std::vector<Vec3> rounded = doubles(data_points.download());
   Buffer<GpuFit> fit(scene.gpu, 1, Memory::kHost);
-  ContactFinder finder(scene.gpu, grid, static_cast<std::uint32_t>(surface.size()));
+  ContactFrame contact_frame(scene.gpu, grid, static_cast<std::uint32_t>(surface.size()));
+  ContactFinder finder(scene.gpu, contact_frame);
   std::vector<ContactPoint> points(surface.size());
   ContactPose before;
   double error_m = 0;
@@ -396,7 +397,8 @@ void compareContact(Scene& scene, Comparisons& comparisons) {
     fit.host()[0] = fitFromPose(*scene.cameras.pose(frame), model, scene.rig.workspace);
     fit.host()[0].tracked = 1;
     scene.recorder.begin();
-    finder.recordFrame(scene.recorder, fit, true, data_points);
+    contact_frame.recordBegin(scene.recorder, fit, true);
+    finder.recordCheck(scene.recorder, data_points, true);
     scene.recorder.submitAndWait();
     const ContactPose now{rotationOf(fit.host()[0]), fit.host()[0].position.cast<double>()};
     const bool start = frame == scene.cameras.backgroundFrames();
@@ -428,7 +430,7 @@ struct ToolScene {
         subdivision(subdivide(cage, 2, SubdivisionRule::kCatmullClark)),
         data_points(scene.gpu, floats(dataPoints(subdivision.matrix, cage.points))),
         points(doubles(data_points.download())),
-        frame(scene.gpu, grid, static_cast<std::uint32_t>(points.size()), 0, 0),
+        frame(scene.gpu, grid, static_cast<std::uint32_t>(points.size())),
         fit(scene.gpu, 1, Memory::kHost) {
     moveHand(scene, kPressingFrame);
   }
@@ -452,11 +454,12 @@ struct ToolScene {
 void compareGrip(Scene& scene, Comparisons& comparisons) {
   ToolScene tools(scene);
   const std::uint32_t mirrors = mirrorsOf({true, false, false});
+  tools.frame.setMirrors(mirrors);
   Grip grip(scene.gpu, tools.frame);
   const auto check = [&] {
     scene.recorder.begin();
     tools.frame.recordBegin(scene.recorder, tools.fit, true);
-    grip.recordCheck(scene.recorder, tools.data_points, mirrors, true);
+    grip.recordCheck(scene.recorder, tools.data_points, true);
     scene.recorder.submitAndWait();
     return grip.points();
   };
@@ -487,12 +490,13 @@ void compareRelax(Scene& scene, Comparisons& comparisons) {
   const std::uint32_t mirrors = mirrorsOf({true, false, false});
   const std::vector<Vec3> normals = dataNormals(tools.subdivision.quads, tools.points);
   const Buffer<vec3> device_normals(scene.gpu, floats(normals));
+  tools.frame.setMirrors(mirrors);
   Relaxer relaxer(scene.gpu, tools.frame, tools.subdivision);
   constexpr float kStrength = 1;
   for (int i = 0; i < 2; ++i) {  // the first tells only where the hand is
     scene.recorder.begin();
     tools.frame.recordBegin(scene.recorder, tools.fit, true);
-    relaxer.record(scene.recorder, tools.data_points, device_normals, mirrors, kStrength);
+    relaxer.record(scene.recorder, tools.data_points, device_normals, kStrength);
     scene.recorder.submitAndWait();
   }
   std::vector<double> nearness;

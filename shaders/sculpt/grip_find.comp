@@ -27,7 +27,7 @@ void main() {
     GpuGripPoint point = GpuGripPoint(position, 0, vec3(0), 0, vec3(0), vec3(0), vec3(0));
     for (uint image = 0; image < images; ++image) {
       const vec3 from_hand = mirrorOf(args.mirrors, image) * position - frame.position_now;
-      if (distanceAt(rotate(conjugate(frame.rotation_now), from_hand)) <= kGripReach_m) point.images |= 1u << image;
+      if (distanceAt(rotate(conjugate(frame.rotation_now), from_hand)) <= args.reach_m) point.images |= 1u << image;
     }
     args.points.at[index] = point;
     return;

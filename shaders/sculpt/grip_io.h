@@ -7,8 +7,8 @@
 
 AIRCLAY_IO_BEGIN
 
-// 6 mm outside the skin: what looks touched, for voxels of 4.7 mm don't tell nearer, and data points are
-// about a centimetre apart. All that is inside is held too: else a hand deep in the clay would drag a hollow
+// The default reach, from the skin outwards: what looks touched, as voxels of 4.7 mm resolve no less and data points
+// are about a centimetre apart. Points inside the hand are held too, or a hand deep in the clay would drag a hollow
 // ring.
 const float kGripReach_m = 0.006;
 
@@ -41,6 +41,7 @@ struct GripFindArgs {
   uint data_point_count;
   uint mirrors;  // symmetry_io.h
   uint first;    // 1: the frame's first check
+  float reach_m;
   HandDistances hand;
 };
 

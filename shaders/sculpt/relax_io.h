@@ -7,14 +7,14 @@
 
 AIRCLAY_IO_BEGIN
 
-// 10 mm from the skin nothing relaxes any more, and nearer ever more: a finger's width of transition.
+// The default reach: nothing relaxes 10 mm from the skin, and the effect grows towards it, over a finger's width.
 const float kRelaxReach_m = 0.01;
 
 // Steps in a frame. A step takes at most all of the roughest shape, and of one four times as long a hundredth
 // of that.
 const uint kRelaxRepeats = 4;
 
-// Less than a thousandth of a millimetre to do is nothing.
+// Displacements below a thousandth of a millimetre do not count.
 const float kRelaxLeast_m = 1e-6;
 
 // relax_umbrella: one invocation a data point; the way to the average of its neighbours. These stand in
@@ -42,6 +42,7 @@ struct RelaxMoveArgs {
   uint data_point_count;
   uint mirrors;  // symmetry_io.h
   float strength;
+  float reach_m;
   HandDistances hand;
 };
 

@@ -12,15 +12,15 @@ layout(push_constant, scalar) uniform Push { RelaxMoveArgs args; };
 #include "shaders/hand/hand_distance.glsl"
 #include "shaders/sculpt/relax_frame.glsl"
 
-// 1 on the skin and in the hand, 0 from kRelaxReach_m on; of the hand's nearest image.
+// 1 on the skin and in the hand, 0 beyond the reach; for the nearest image of the hand.
 float nearness(vec3 position) {
-  float distance_m = kRelaxReach_m;
+  float distance_m = args.reach_m;
   const uint images = imageCount(args.mirrors);
   for (uint image = 0; image < images; ++image) {
     const vec3 from_hand = mirrorOf(args.mirrors, image) * position - args.frame.at[0].position_now;
     distance_m = min(distance_m, distanceAt(rotate(conjugate(args.frame.at[0].rotation_now), from_hand)));
   }
-  return 1 - smoothstep(0, kRelaxReach_m, distance_m);
+  return 1 - smoothstep(0, args.reach_m, distance_m);
 }
 
 void main() {

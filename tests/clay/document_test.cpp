@@ -29,7 +29,7 @@ using Names = std::vector<std::string>;
 
 TEST(Document, HoldsTheClayAsSqliteReadsIt) {
   const TemporaryFolder folder;
-  const ClayState state{presetCage("vase"), SubdivisionRule::kPrinted, 3, SolveMethod::kTouched};
+  const ClayState state{presetCage("vase"), SubdivisionRule::kPrinted, 3, &kSolveTouched};
   const std::int64_t before = std::time(nullptr);
   Document::create(folder / "a.clay", state, "Vase");
 
@@ -64,7 +64,7 @@ TEST(Document, HoldsTheClayAsSqliteReadsIt) {
 
 TEST(Document, OpensAsItWasLeft) {
   const TemporaryFolder folder;
-  const ClayState state{presetCage("ball"), SubdivisionRule::kPrinted, 1, SolveMethod::kTouched};
+  const ClayState state{presetCage("ball"), SubdivisionRule::kPrinted, 1, &kSolveTouched};
   Document::create(folder / "a.clay", state);
   EXPECT_TRUE(sameClay(Document::open(folder / "a.clay").state(), state));
   Document::open(folder / "a.clay").commit("Push", afterStroke(state, 1));

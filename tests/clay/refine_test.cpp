@@ -121,18 +121,18 @@ TEST(Refine, LeavesTheSurfaceAsItIs) {
     for (const SubdivisionRule rule : kRules)
       for (const int levels : {2, 3}) {
         SCOPED_TRACE(name + ", level " + std::to_string(levels));
-        const ClayState before{cage, rule, levels, SolveMethod::kTouched};
+        const ClayState before{cage, rule, levels, &kSolveTouched};
         const ClayState after = refine(before);
         EXPECT_NO_THROW(checkCage(after.cage, "refined"));
         EXPECT_EQ(after.levels, levels - 1);
         EXPECT_EQ(after.rule, rule);
-        EXPECT_EQ(after.solve, SolveMethod::kTouched);
+        EXPECT_EQ(after.solve, &kSolveTouched);
         expectSameSurface(surfaceOf(before), surfaceOf(after));
       }
 }
 
 TEST(Refine, TwiceIsTheSurfaceTwoLevelsFurtherDown) {
-  const ClayState before{closedPolygons(), SubdivisionRule::kPrinted, 3, SolveMethod::kAll};
+  const ClayState before{closedPolygons(), SubdivisionRule::kPrinted, 3, &kSolveAll};
   const ClayState after = refine(refine(before));
   EXPECT_EQ(after.levels, 1);
   expectSameSurface(surfaceOf(before), surfaceOf(after));
@@ -140,7 +140,7 @@ TEST(Refine, TwiceIsTheSurfaceTwoLevelsFurtherDown) {
 
 // V' = V + E + F: the paper's tube has 28 control points, 49 edges and 21 faces.
 TEST(Refine, ThePapersTubeHas98ControlPoints) {
-  const ClayState after = refine({presetCage("tube"), SubdivisionRule::kCatmullClark, 2, SolveMethod::kAll});
+  const ClayState after = refine({presetCage("tube"), SubdivisionRule::kCatmullClark, 2, &kSolveAll});
   EXPECT_EQ(after.cage.points.size(), 98u);
   EXPECT_EQ(after.cage.faces.size(), 84u);
 }
@@ -148,7 +148,7 @@ TEST(Refine, ThePapersTubeHas98ControlPoints) {
 // At one level the surface becomes what two levels make of the cage before.
 TEST(Refine, AtLevelOneTheSurfaceBecomesOneStepFiner) {
   for (const SubdivisionRule rule : kRules) {
-    const ClayState before{openPolygons(), rule, 1, SolveMethod::kAll};
+    const ClayState before{openPolygons(), rule, 1, &kSolveAll};
     const ClayState after = refine(before);
     EXPECT_EQ(after.levels, 1);
     ClayState finer = before;
@@ -158,14 +158,14 @@ TEST(Refine, AtLevelOneTheSurfaceBecomesOneStepFiner) {
 }
 
 TEST(Refine, SaysWhenTheControlPointsBecomeTooMany) {
-  ClayState state{presetCage("cube"), SubdivisionRule::kCatmullClark, 2, SolveMethod::kAll};
+  ClayState state{presetCage("cube"), SubdivisionRule::kCatmullClark, 2, &kSolveAll};
   for (int i = 0; i < 4; ++i) state = refine(state);  // 26, 98, 386, 1538
   EXPECT_EQ(state.cage.points.size(), 1538u);
   const std::string message = messageOf([&] { refine(state); });  // 6146
   EXPECT_NE(message.find("refining makes 6146 control points of 1538; at most 4096"), std::string::npos)
       << message;
   EXPECT_NE(message.find("touched"), std::string::npos) << message;
-  state.solve = SolveMethod::kTouched;
+  state.solve = &kSolveTouched;
   EXPECT_EQ(refine(state).cage.points.size(), 6146u);
 }
 

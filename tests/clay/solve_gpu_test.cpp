@@ -56,7 +56,7 @@ TEST(SolveGpu, EqualsThePseudoinverse) {
         displacements[i] = 0.02f * vec3(float(std::sin(a)), float(std::cos(2 * a)), float(std::sin(3 * a)));
         moves.push_back({int(i), points[i] + displacements[i].cast<double>()});
       }
-      const std::vector<Vec3> expected = solveControlPoints(matrix, cage.points, moves, SolveMethod::kAll);
+      const std::vector<Vec3> expected = solveControlPoints(matrix, cage.points, moves, &kSolveAll);
       const Solved solved = solveOnGpu(matrix, cage.points, displacements);
       EXPECT_LE(difference(solved.exact, expected), 1e-5 * difference(expected, cage.points));
       for (std::size_t i = 0; i < expected.size(); ++i)

@@ -60,9 +60,9 @@ std::vector<int> range(int first, int count, int step = 1) {
 }
 
 /// Control points by the definition: p + A⁺ (d_new - d), A the chosen rows.
-std::vector<Vec3> expected(const Clay& clay, const std::vector<Move>& moves, SolveMethod rows) {
+std::vector<Vec3> expected(const Clay& clay, const std::vector<Move>& moves, const SolveMethod* rows) {
   const MatrixXd dense = clay.matrix;
-  const bool all = rows == SolveMethod::kAll;
+  const bool all = rows == &kSolveAll;
   MatrixXd chosen = all ? dense : MatrixXd(Eigen::Index(moves.size()), dense.cols());
   MatrixXd wanted = MatrixXd::Zero(chosen.rows(), 3);
   for (size_t i = 0; i < moves.size(); ++i) {
@@ -83,7 +83,7 @@ double largestDifference(const std::vector<Vec3>& a, const std::vector<Vec3>& b)
   return largest;
 }
 
-void expectMoorePenrose(const Clay& clay, const std::vector<Move>& moves, SolveMethod rows) {
+void expectMoorePenrose(const Clay& clay, const std::vector<Move>& moves, const SolveMethod* rows) {
   const std::vector<Vec3> solved = solveControlPoints(clay.matrix, clay.cage.points, moves, rows);
   const std::vector<Vec3> truth = expected(clay, moves, rows);
   const double moved_m = largestDifference(truth, clay.cage.points);
@@ -96,7 +96,7 @@ TEST(Solve, AllRowsIsThePseudoinverse) {
     for (const SubdivisionRule rule : {SubdivisionRule::kCatmullClark, SubdivisionRule::kPrinted}) {
       SCOPED_TRACE(preset);
       const Clay clay = prepareClay(preset, 2, rule);
-      expectMoorePenrose(clay, randomMoves(clay, range(3, 20, 4)), SolveMethod::kAll);
+      expectMoorePenrose(clay, randomMoves(clay, range(3, 20, 4)), &kSolveAll);
     }
 }
 
@@ -110,18 +110,18 @@ TEST(Solve, AllRowsCutsASingularDirectionInManyBlocksOfRows) {
     every_other[i] = point.x() * point.y() * point.z() > 0 ? 1 : -1;
   }
   ASSERT_LT((clay.matrix * every_other).norm(), 1e-12);
-  expectMoorePenrose(clay, randomMoves(clay, range(0, 200, 30)), SolveMethod::kAll);
+  expectMoorePenrose(clay, randomMoves(clay, range(0, 200, 30)), &kSolveAll);
 }
 
 TEST(Solve, TouchedRowsIsThePseudoinverse) {
   const Clay tube = prepareClay("tube");
-  expectMoorePenrose(tube, randomMoves(tube, {100}), SolveMethod::kTouched);
-  expectMoorePenrose(tube, randomMoves(tube, range(0, 5, 60)), SolveMethod::kTouched);
-  expectMoorePenrose(tube, randomMoves(tube, range(0, 364)), SolveMethod::kTouched);
+  expectMoorePenrose(tube, randomMoves(tube, {100}), &kSolveTouched);
+  expectMoorePenrose(tube, randomMoves(tube, range(0, 5, 60)), &kSolveTouched);
+  expectMoorePenrose(tube, randomMoves(tube, range(0, 364)), &kSolveTouched);
   const Clay cube = prepareClay("cube");
-  expectMoorePenrose(cube, randomMoves(cube, range(0, 98)), SolveMethod::kTouched);
+  expectMoorePenrose(cube, randomMoves(cube, range(0, 98)), &kSolveTouched);
   const Clay ball = prepareClay("ball");
-  expectMoorePenrose(ball, randomMoves(ball, range(5, 40, 3)), SolveMethod::kTouched);
+  expectMoorePenrose(ball, randomMoves(ball, range(5, 40, 3)), &kSolveTouched);
 }
 
 TEST(Solve, TouchedRowsOfLowerRankThanTheirNumber) {
@@ -141,9 +141,8 @@ TEST(Solve, TouchedRowsOfLowerRankThanTheirNumber) {
   ASSERT_GT(values[15], 1e-6 * values[0]);
   ASSERT_LT(values[16], 1e-12 * values[0]);
   const std::vector<Move> moves = randomMoves(slab, near);
-  const std::vector<Vec3> solved =
-      solveControlPoints(slab.matrix, slab.cage.points, moves, SolveMethod::kTouched);
-  const std::vector<Vec3> truth = expected(slab, moves, SolveMethod::kTouched);
+  const std::vector<Vec3> solved = solveControlPoints(slab.matrix, slab.cage.points, moves, &kSolveTouched);
+  const std::vector<Vec3> truth = expected(slab, moves, &kSolveTouched);
   const double moved_m = largestDifference(truth, slab.cage.points);
   // The answer itself is known to the rounding of the data, 1e-16, times the rows' condition.
   EXPECT_LT(largestDifference(solved, truth), 1e-14 * values[0] / values[15] * moved_m);
@@ -152,8 +151,7 @@ TEST(Solve, TouchedRowsOfLowerRankThanTheirNumber) {
 TEST(Solve, OneMovedPointArrivesAndMovesTheLeast) {
   const Clay clay = prepareClay("tube");
   const Move move{200, clay.data_points[200] + Vec3(0.01, -0.02, 0.005)};
-  const std::vector<Vec3> solved =
-      solveControlPoints(clay.matrix, clay.cage.points, {move}, SolveMethod::kTouched);
+  const std::vector<Vec3> solved = solveControlPoints(clay.matrix, clay.cage.points, {move}, &kSolveTouched);
   EXPECT_LT((dataPoints(clay.matrix, solved)[200] - move.target).norm(), 1e-15);
   // (7) for one row: aᵀ / (a aᵀ).
   const Eigen::VectorXd row = MatrixXd(clay.matrix.row(200)).transpose();
@@ -171,7 +169,7 @@ TEST(Solve, ATranslationOfAllPointsTranslatesTheCage) {
     std::vector<Move> moves;
     for (size_t i = 0; i < clay.data_points.size(); ++i)
       moves.push_back({int(i), clay.data_points[i] + step});
-    for (const SolveMethod rows : {SolveMethod::kAll, SolveMethod::kTouched}) {
+    for (const SolveMethod* rows : {&kSolveAll, &kSolveTouched}) {
       const std::vector<Vec3> solved = solveControlPoints(clay.matrix, clay.cage.points, moves, rows);
       for (size_t i = 0; i < solved.size(); ++i)
         EXPECT_LT((solved[i] - clay.cage.points[i] - step).norm(), 1e-13) << preset;
@@ -183,11 +181,11 @@ TEST(Solve, NothingMovesWhenNothingIsMoved) {
   const Clay clay = prepareClay("vase");
   std::vector<Move> stay;
   for (int i = 0; i < 30; ++i) stay.push_back({i, clay.data_points[size_t(i)]});
-  for (const SolveMethod rows : {SolveMethod::kAll, SolveMethod::kTouched}) {
+  for (const SolveMethod* rows : {&kSolveAll, &kSolveTouched}) {
     EXPECT_EQ(solveControlPoints(clay.matrix, clay.cage.points, {}, rows), clay.cage.points);
     EXPECT_EQ(solveControlPoints(clay.matrix, clay.cage.points, stay, rows), clay.cage.points);
   }
-  EXPECT_EQ(solveControlPoints(clay.matrix, clay.cage.points, stay, SolveMethod::kTouched, kTouchedDamping),
+  EXPECT_EQ(solveControlPoints(clay.matrix, clay.cage.points, stay, &kSolveTouched, kTouchedDamping),
             clay.cage.points);
 }
 
@@ -205,7 +203,7 @@ TEST(Solve, DampedIsItsClosedForm) {
     const MatrixXd damped = rows * rows.transpose() + lambda * lambda * MatrixXd::Identity(count, count);
     const MatrixXd moved = rows.transpose() * damped.fullPivLu().solve(wanted);
     const std::vector<Vec3> solved =
-        solveControlPoints(clay.matrix, clay.cage.points, moves, SolveMethod::kTouched, lambda);
+        solveControlPoints(clay.matrix, clay.cage.points, moves, &kSolveTouched, lambda);
     for (size_t i = 0; i < solved.size(); ++i)
       EXPECT_LT((solved[i] - clay.cage.points[i] - moved.row(Eigen::Index(i)).transpose()).norm(), 1e-13);
   }
@@ -228,7 +226,7 @@ TEST(Solve, DampingHoldsNoiseThatTheExactSolveBlowsUp) {
   }
   const auto thrown = [&](double damping) {
     const std::vector<Vec3> solved =
-        solveControlPoints(clay.matrix, clay.cage.points, moves, SolveMethod::kTouched, damping);
+        solveControlPoints(clay.matrix, clay.cage.points, moves, &kSolveTouched, damping);
     double sum = 0;
     for (size_t i = 0; i < solved.size(); ++i) sum += (solved[i] - clay.cage.points[i]).squaredNorm();
     return std::sqrt(sum);
@@ -253,19 +251,19 @@ TEST(Solve, AllRowsSolverIsTheGramPseudoinverse) {
       data_displacements[size_t(move.index)] = move.target - clay.data_points[size_t(move.index)];
     std::vector<Vec3> solved = solver.controlDisplacements(clay.matrix, data_displacements);
     for (size_t i = 0; i < solved.size(); ++i) solved[i] += clay.cage.points[i];
-    EXPECT_LT(largestDifference(solved, expected(clay, moves, SolveMethod::kAll)), 1e-12);
+    EXPECT_LT(largestDifference(solved, expected(clay, moves, &kSolveAll)), 1e-12);
   }
 }
 
 TEST(Solve, RefusesWhatItCannotDo) {
   const Clay clay = prepareClay("tube");
-  const auto solve = [&](const std::vector<Move>& moves, SolveMethod rows, double damping) {
+  const auto solve = [&](const std::vector<Move>& moves, const SolveMethod* rows, double damping) {
     return solveControlPoints(clay.matrix, clay.cage.points, moves, rows, damping);
   };
-  EXPECT_THROW(solve({{364, Vec3::Zero()}}, SolveMethod::kTouched, 0), Error);
-  EXPECT_THROW(solve({{-1, Vec3::Zero()}}, SolveMethod::kAll, 0), Error);
-  EXPECT_THROW(solve({{5, Vec3::Zero()}, {5, Vec3::Ones()}}, SolveMethod::kTouched, 0), Error);
-  EXPECT_THROW(solve({{5, Vec3::Zero()}}, SolveMethod::kAll, 0.1), Error);
+  EXPECT_THROW(solve({{364, Vec3::Zero()}}, &kSolveTouched, 0), Error);
+  EXPECT_THROW(solve({{-1, Vec3::Zero()}}, &kSolveAll, 0), Error);
+  EXPECT_THROW(solve({{5, Vec3::Zero()}, {5, Vec3::Ones()}}, &kSolveTouched, 0), Error);
+  EXPECT_THROW(solve({{5, Vec3::Zero()}}, &kSolveAll, 0.1), Error);
   EXPECT_THROW(AllRowsSolver(StencilMatrix(5000, 4097)), Error);
 }
 

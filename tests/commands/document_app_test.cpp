@@ -57,7 +57,7 @@ TEST(DocumentApp, NewHoldsWhatItWasTold) {
   EXPECT_EQ(outputOf({"new", other, "--clay", "vase", "--levels", "1", "--rule", "printed", "--solve",
                       "touched", "--quiet"}),
             "");
-  const ClayState vase{presetCage("vase"), SubdivisionRule::kPrinted, 1, SolveMethod::kTouched};
+  const ClayState vase{presetCage("vase"), SubdivisionRule::kPrinted, 1, &kSolveTouched};
   EXPECT_TRUE(sameClay(Document::open(other).state(), vase));
 
   const std::string cage = folder.write("cage.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0.5\nf 1 2 3 4\n");
@@ -161,7 +161,7 @@ TEST(DocumentApp, SetChangesWhatIsGivenAlone) {
   outputOf({"new", file});
   ClayState expected = tubeState();
   expected.levels = 3;
-  expected.solve = SolveMethod::kTouched;
+  expected.solve = &kSolveTouched;
   outputOf({"set", file, "--levels", "3", "--solve", "touched"});
   EXPECT_TRUE(sameClay(Document::open(file).state(), expected));
   expected.cage = presetCage("ball");

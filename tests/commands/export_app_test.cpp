@@ -74,7 +74,7 @@ TEST_F(ExportApp, ReadsCagesFromObj) {
 }
 
 TEST_F(ExportApp, ReadsDocumentsAsTheyWereLeft) {
-  ClayState state{presetCage("vase"), SubdivisionRule::kPrinted, 1, SolveMethod::kAll};
+  ClayState state{presetCage("vase"), SubdivisionRule::kPrinted, 1, &kSolveAll};
   {
     Document document = Document::create(folder / "vase.clay", state);
     state.cage.points[0] += Vec3(0.01, 0.02, 0.03);

@@ -31,7 +31,8 @@ struct Scene {
   Scene(const HandModel& hand, const std::vector<vec3>& data_points)
       : gpu(testGpu()),
         grid(contactGrid(hand.skin)),
-        finder(gpu, grid, static_cast<std::uint32_t>(data_points.size())),
+        contact(gpu, grid, static_cast<std::uint32_t>(data_points.size())),
+        finder(gpu, contact),
         data(gpu, data_points, Memory::kHost),
         fit(gpu, 1, Memory::kHost),
         recorder(gpu) {}
@@ -40,10 +41,11 @@ struct Scene {
   int frame(const GpuFit& hand_fit, bool held = true) {
     fit.host()[0] = hand_fit;
     recorder.begin();
-    finder.recordFrame(recorder, fit, held, data);
+    contact.recordBegin(recorder, fit, held);
+    finder.recordCheck(recorder, data, true);
     recorder.submitAndWait();
     EXPECT_TRUE(hazards(recorder.commands()).empty());
-    return static_cast<int>(finder.summary().touched);
+    return static_cast<int>(contact.summary().touched);
   }
 
   /// The clay has moved: one more check in the same frame.
@@ -51,7 +53,7 @@ struct Scene {
     data.upload(data_points);
     recorder.begin();
     finder.recordPush(recorder);
-    finder.recordCheck(recorder, data);
+    finder.recordCheck(recorder, data, false);
     recorder.submitAndWait();
     EXPECT_TRUE(hazards(recorder.commands()).empty());
   }
@@ -63,6 +65,7 @@ struct Scene {
 
   Gpu& gpu;
   DistanceGrid grid;
+  ContactFrame contact;
   ContactFinder finder;
   Buffer<vec3> data;
   Buffer<GpuFit> fit;
@@ -168,7 +171,7 @@ TEST(Contact, LostFramesAndTheOpenClutchMoveNothingAndForgetTheHand) {
     Scene scene(ballHand(kBallRadius_m), planePoints());
     scene.frame(fitAt({0, 0, 0.05}));
     EXPECT_EQ(lose ? scene.frame(lostFit()) : scene.frame(fitAt({0, 0, 0.03}), false), 0);
-    EXPECT_EQ(scene.finder.summary().done, 1u);
+    EXPECT_EQ(scene.contact.summary().done, 1u);
     // it comes back on the other side: nobody knows its way
     EXPECT_EQ(scene.frame(fitAt({0, 0, -0.05})), 0);
     // and from there its way is known again
@@ -176,7 +179,7 @@ TEST(Contact, LostFramesAndTheOpenClutchMoveNothingAndForgetTheHand) {
   }
   Scene scene(ballHand(kBallRadius_m), planePoints());
   scene.frame(fitAt({0, 0, 0.05}));
-  scene.finder.forget();
+  scene.contact.forget();
   EXPECT_EQ(scene.frame(fitAt({0, 0, -0.05})), 0);
 }
 

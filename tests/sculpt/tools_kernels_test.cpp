@@ -44,7 +44,8 @@ TEST(Grip, EqualsTheReference) {
   const std::vector<Vec3> shifts = scattered(3000, 0.003);
   for (const Symmetry& symmetry : {Symmetry{}, Symmetry{true, false, false}, Symmetry{true, true, true}}) {
     const std::uint32_t mirrors = mirrorsOf(symmetry);
-    ContactFrame frame(testGpu(), grid, 3000, 0, 0);
+    ContactFrame frame(testGpu(), grid, 3000);
+    frame.setMirrors(mirrors);
     Grip grip(testGpu(), frame);
     Buffer<vec3> data_points(testGpu(), floats(start), Memory::kHost);
     Buffer<GpuFit> fit(testGpu(), 1, Memory::kHost);
@@ -53,7 +54,7 @@ TEST(Grip, EqualsTheReference) {
       fit.host()[0] = hand;
       recorder.begin();
       frame.recordBegin(recorder, fit, true);
-      grip.recordCheck(recorder, data_points, mirrors, true);
+      grip.recordCheck(recorder, data_points, true);
       recorder.submitAndWait();
       EXPECT_TRUE(hazards(recorder.commands()).empty());
       return grip.points();
@@ -98,7 +99,8 @@ TEST(Relax, EqualsTheReference) {
       const std::vector<Vec3> points = dataPoints(subdivision.matrix, cage.points);
       const std::vector<Vec3> normals = dataNormals(subdivision.quads, points);
       const auto count = static_cast<std::uint32_t>(points.size());
-      ContactFrame frame(testGpu(), grid, count, 0, 0);
+      ContactFrame frame(testGpu(), grid, count);
+      frame.setMirrors(mirrorsOf(symmetry));
       Relaxer relaxer(testGpu(), frame, subdivision);
       const Buffer<vec3> data_points(testGpu(), floats(points)), data_normals(testGpu(), floats(normals));
       Buffer<GpuFit> fit(testGpu(), 1, Memory::kHost);
@@ -107,7 +109,7 @@ TEST(Relax, EqualsTheReference) {
       for (int i = 0; i < 2; ++i) {  // the first only tells where the hand is
         recorder.begin();
         frame.recordBegin(recorder, fit, true);
-        relaxer.record(recorder, data_points, data_normals, mirrorsOf(symmetry), 20);
+        relaxer.record(recorder, data_points, data_normals, 20);
         recorder.submitAndWait();
         EXPECT_TRUE(hazards(recorder.commands()).empty());
       }

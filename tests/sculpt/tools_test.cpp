@@ -7,6 +7,9 @@
 #include <iostream>
 
 #include "engine/clay/presets.h"
+#include "engine/sculpt/contact.h"
+#include "engine/sculpt/grip.h"
+#include "engine/sculpt/relax.h"
 #include "engine/sculpt/sculptor.h"
 #include "tests/support/contact_hands.h"
 #include "tests/support/gpu_fixture.h"
@@ -15,7 +18,7 @@ namespace airclay {
 namespace {
 
 constexpr double kBallRadius_m = 0.03;
-constexpr SolveMethod kBothSolves[] = {SolveMethod::kAll, SolveMethod::kTouched};
+constexpr const SolveMethod* kBothSolves[] = {&kSolveAll, &kSolveTouched};
 
 /// A ball of 10 cm about the origin: the preset, subdivided.
 PolygonMesh ballCage(int levels) {
@@ -42,7 +45,7 @@ PolygonMesh sheetCage(int quads) {
 
 /// Clay, hand and all that a frame needs.
 struct Workshop {
-  Workshop(const PolygonMesh& cage, SolveMethod rows, const HandModel& hand, int levels = 2)
+  Workshop(const PolygonMesh& cage, const SolveMethod* rows, const HandModel& hand, int levels = 2)
       : grid(contactGrid(hand.skin)),
         clay(testGpu(), ClayState{cage, SubdivisionRule::kCatmullClark, levels, rows}, Vec3::Zero()),
         sculptor(testGpu(), clay, grid),
@@ -97,25 +100,25 @@ std::vector<std::size_t> within(const std::vector<Vec3>& points, const Vec3& cen
   return found;
 }
 
-SculptControls with(Tool tool, const Symmetry& symmetry = {}, bool held = true) {
+SculptControls with(const Tool& tool, const Symmetry& symmetry = {}, bool held = true) {
   return {.tool = tool, .symmetry = symmetry, .held = held};
 }
 
 TEST(Tools, PullCarriesTheGrippedPatchAndLeavesTheFarSide) {
-  for (const SolveMethod rows : kBothSolves) {
+  for (const SolveMethod* rows : kBothSolves) {
     Workshop workshop(ballCage(1), rows, ballHand(kBallRadius_m));
     const std::vector<Vec3> before = workshop.surface();
     const double edge = before[within(before, Vec3(0.12, 0, 0)).front()].norm();
     const Vec3 start(edge + kBallRadius_m + 0.002, 0.004, 0.001);
     const std::vector<std::size_t> held = within(before, start);
     ASSERT_GE(held.size(), 3u);
-    EXPECT_EQ(workshop.frame(fitAt(start), with(Tool::kPull)).touched, int(held.size()));
+    EXPECT_EQ(workshop.frame(fitAt(start), with(kPullTool)).touched, int(held.size()));
     EXPECT_EQ(largestMove(before, workshop.surface()), 0) << "taking hold moves nothing";
     // 3 cm away and a little up, turning by 0.3 rad
     for (int i = 1; i <= 15; ++i) {
       const Vec3 shift = i / 15.0 * Vec3(0.028, 0, 0.01);
       const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.02 * i, Vec3::UnitX()));
-      const ClayStep step = workshop.frame(fitAt(start + shift, turn), with(Tool::kPull));
+      const ClayStep step = workshop.frame(fitAt(start + shift, turn), with(kPullTool));
       EXPECT_EQ(step.touched, int(held.size())) << "no more, no less";
       const std::vector<Vec3> now = workshop.surface();
       for (const std::size_t point : held)
@@ -128,22 +131,22 @@ TEST(Tools, PullCarriesTheGrippedPatchAndLeavesTheFarSide) {
 TEST(Tools, PullLetsGoWithTheClutchTheToolAndTheHand) {
   const Vec3 start(0.13, 0, 0), away(0.16, 0, 0);
   const auto pulled = [&](const std::function<void(Workshop&)>& between) {
-    Workshop workshop(ballCage(1), SolveMethod::kAll, ballHand(kBallRadius_m));
-    workshop.frame(fitAt(start), with(Tool::kPull));
-    workshop.frame(fitAt(start + Vec3(0.002, 0, 0)), with(Tool::kPull));
+    Workshop workshop(ballCage(1), &kSolveAll, ballHand(kBallRadius_m));
+    workshop.frame(fitAt(start), with(kPullTool));
+    workshop.frame(fitAt(start + Vec3(0.002, 0, 0)), with(kPullTool));
     between(workshop);
     const std::vector<Vec3> before = workshop.surface();
-    const int touched = workshop.frame(fitAt(away), with(Tool::kPull)).touched;
-    workshop.frame(fitAt(away + Vec3(0.01, 0, 0)), with(Tool::kPull));
+    const int touched = workshop.frame(fitAt(away), with(kPullTool)).touched;
+    workshop.frame(fitAt(away + Vec3(0.01, 0, 0)), with(kPullTool));
     return std::pair(touched, largestMove(before, workshop.surface()));
   };
   EXPECT_GT(pulled([](Workshop&) {}).second, 0.02) << "nothing let go";
   const GpuFit there = fitAt(start + Vec3(0.004, 0, 0));
   for (const std::function<void(Workshop&)>& between : std::vector<std::function<void(Workshop&)>>{
-           [&](Workshop& w) { w.frame(there, with(Tool::kPull, {}, false)); },
-           [&](Workshop& w) { w.frame(there, with(Tool::kPush)); },
-           [&](Workshop& w) { w.frame(there, with(Tool::kSmooth)); },
-           [&](Workshop& w) { w.frame(lostFit(), with(Tool::kPull)); },
+           [&](Workshop& w) { w.frame(there, with(kPullTool, {}, false)); },
+           [&](Workshop& w) { w.frame(there, with(kPushTool)); },
+           [&](Workshop& w) { w.frame(there, with(kSmoothTool)); },
+           [&](Workshop& w) { w.frame(lostFit(), with(kPullTool)); },
            [&](Workshop& w) { w.sculptor.forget(); }}) {
     const auto [touched, moved_m] = pulled(between);
     EXPECT_EQ(touched, 0) << "the hand is 3 cm off";
@@ -152,18 +155,18 @@ TEST(Tools, PullLetsGoWithTheClutchTheToolAndTheHand) {
 }
 
 TEST(Tools, PullTakesHoldWhereTheHandFirstTouches) {
-  Workshop workshop(ballCage(1), SolveMethod::kAll, ballHand(kBallRadius_m));
+  Workshop workshop(ballCage(1), &kSolveAll, ballHand(kBallRadius_m));
   const std::vector<Vec3> before = workshop.surface();
-  EXPECT_EQ(workshop.frame(fitAt(Vec3(0.2, 0, 0)), with(Tool::kPull)).touched, 0);
-  EXPECT_EQ(workshop.frame(fitAt(Vec3(0.16, 0, 0)), with(Tool::kPull)).touched, 0);
+  EXPECT_EQ(workshop.frame(fitAt(Vec3(0.2, 0, 0)), with(kPullTool)).touched, 0);
+  EXPECT_EQ(workshop.frame(fitAt(Vec3(0.16, 0, 0)), with(kPullTool)).touched, 0);
   const Vec3 touch(0.128, 0, 0);
-  const int held = workshop.frame(fitAt(touch), with(Tool::kPull)).touched;
+  const int held = workshop.frame(fitAt(touch), with(kPullTool)).touched;
   EXPECT_EQ(held, int(within(before, touch).size()));
   EXPECT_GT(held, 0);
   EXPECT_EQ(largestMove(before, workshop.surface()), 0);
   // it goes along the surface, and gathers no more
   for (int i = 1; i <= 5; ++i)
-    EXPECT_EQ(workshop.frame(fitAt(touch + Vec3(0, 0.004 * i, 0)), with(Tool::kPull)).touched, held);
+    EXPECT_EQ(workshop.frame(fitAt(touch + Vec3(0, 0.004 * i, 0)), with(kPullTool)).touched, held);
   EXPECT_GT(largestMove(before, workshop.surface()), 0.018);
 }
 
@@ -176,7 +179,7 @@ double roughness(const std::vector<Vec3>& points) {
 }
 
 TEST(Tools, SmoothTakesTheBumpsAndLeavesTheBall) {
-  for (const SolveMethod rows : kBothSolves) {
+  for (const SolveMethod* rows : kBothSolves) {
     PolygonMesh cage = ballCage(1);
     for (Vec3& point : cage.points) point *= 0.06 / point.norm();
     const PolygonMesh even = cage;
@@ -188,10 +191,10 @@ TEST(Tools, SmoothTakesTheBumpsAndLeavesTheBall) {
       // a hand that holds all of the ball
       Workshop workshop(bumpy ? cage : even, rows, ballHand(0.07));
       const PolygonMesh before = workshop.clay.surface();
-      workshop.frame(fitAt(Vec3::Zero()), with(Tool::kSmooth));
+      workshop.frame(fitAt(Vec3::Zero()), with(kSmoothTool));
       EXPECT_EQ(largestMove(before.points, workshop.surface()), 0) << "the first frame is the hand's coming";
       for (int i = 0; i < 30; ++i) {
-        const ClayStep step = workshop.frame(fitAt(Vec3::Zero()), with(Tool::kSmooth));
+        const ClayStep step = workshop.frame(fitAt(Vec3::Zero()), with(kSmoothTool));
         EXPECT_LE(step.repeats, int(kRelaxRepeats));
         if (i == 0) {
           EXPECT_GT(step.touched, int(before.points.size()) * 9 / 10) << "the others' way is zero";
@@ -218,9 +221,9 @@ TEST(Tools, SmoothGoesAsFarInASecondAtAnyFrameRate) {
   std::vector<std::vector<Vec3>> ends;
   double moved_m = 0;
   for (const int frames : {10, 40}) {
-    Workshop workshop(cage, SolveMethod::kAll, ballHand(0.07));
+    Workshop workshop(cage, &kSolveAll, ballHand(0.07));
     const std::vector<Vec3> before = workshop.surface();
-    SculptControls controls = with(Tool::kSmooth);
+    SculptControls controls = with(kSmoothTool);
     controls.frame_s = 0.2 / frames;
     for (int i = 0; i <= frames; ++i) workshop.frame(fitAt(Vec3::Zero()), controls);
     ends.push_back(workshop.surface());
@@ -230,12 +233,12 @@ TEST(Tools, SmoothGoesAsFarInASecondAtAnyFrameRate) {
 }
 
 TEST(Tools, SmoothKeepsToTheHandsReach) {
-  Workshop workshop(sheetCage(16), SolveMethod::kTouched, ballHand(kBallRadius_m));
+  Workshop workshop(sheetCage(16), &kSolveTouched, ballHand(kBallRadius_m));
   std::vector<Vec3> points = workshop.clay.cage().points;
   for (std::size_t i = 0; i < points.size(); ++i) points[i].z() += i % 2 == 0 ? 0.003 : -0.003;
   workshop.clay.setControlPoints(points);
   const std::vector<Vec3> before = workshop.surface();
-  for (int i = 0; i < 10; ++i) workshop.frame(fitAt(Vec3(0, 0, kBallRadius_m)), with(Tool::kSmooth));
+  for (int i = 0; i < 10; ++i) workshop.frame(fitAt(Vec3(0, 0, kBallRadius_m)), with(kSmoothTool));
   const std::vector<Vec3> after = workshop.surface();
   const auto off_axis = [](const Vec3& p) { return p.head<2>().norm(); };
   EXPECT_GT(largestMove(before, after, [&](const Vec3& p) { return off_axis(p) < 0.01; }), 0.0003);
@@ -244,13 +247,13 @@ TEST(Tools, SmoothKeepsToTheHandsReach) {
 }
 
 TEST(Tools, SmoothLeavesAFlatSheetInItsPlaneAndAnEvenTubeWithItsRims) {
-  for (const SolveMethod rows : kBothSolves) {
+  for (const SolveMethod* rows : kBothSolves) {
     Workshop sheet(sheetCage(8), rows, boxHand({0.3, 0.3, 0.01}));
     Workshop tube(presetCage("tube"), rows, boxHand({0.2, 0.2, 0.25}));
     const std::vector<Vec3> before = tube.surface();
     for (int i = 0; i < 30; ++i) {
-      sheet.frame(fitAt(Vec3::Zero()), with(Tool::kSmooth));
-      tube.frame(fitAt(Vec3::Zero()), with(Tool::kSmooth));
+      sheet.frame(fitAt(Vec3::Zero()), with(kSmoothTool));
+      tube.frame(fitAt(Vec3::Zero()), with(kSmoothTool));
     }
     for (const Vec3& point : sheet.surface()) EXPECT_LT(std::abs(point.z()), 1e-9);
     EXPECT_LT(largestMove(before, tube.surface()), 0.0001);
@@ -258,7 +261,7 @@ TEST(Tools, SmoothLeavesAFlatSheetInItsPlaneAndAnEvenTubeWithItsRims) {
 }
 
 TEST(Tools, SmoothEvensADentedRimAsACurve) {
-  for (const SolveMethod rows : kBothSolves) {
+  for (const SolveMethod* rows : kBothSolves) {
     PolygonMesh cage = presetCage("tube");
     double top = 0;
     for (const Vec3& point : cage.points) top = std::max(top, point.z());
@@ -280,7 +283,7 @@ TEST(Tools, SmoothEvensADentedRimAsACurve) {
       return high - low;
     };
     const double before = rimWave();
-    for (int i = 0; i < 30; ++i) tube.frame(fitAt(Vec3::Zero()), with(Tool::kSmooth));
+    for (int i = 0; i < 30; ++i) tube.frame(fitAt(Vec3::Zero()), with(kSmoothTool));
     EXPECT_GT(before, 0.004);
     EXPECT_LT(rimWave(), 0.5 * before);
   }
@@ -300,8 +303,8 @@ double asymmetry(const std::vector<Vec3>& points, const Vec3& signs) {
 
 TEST(Tools, ASymmetricCageStaysSymmetricUnderEveryTool) {
   const HandModel hand = ballHand(kBallRadius_m);
-  for (const SolveMethod rows : kBothSolves)
-    for (const Tool tool : {Tool::kPush, Tool::kPull, Tool::kSmooth})
+  for (const SolveMethod* rows : kBothSolves)
+    for (const Tool* tool : tools())
       for (const Symmetry& symmetry : {Symmetry{true, false, false}, Symmetry{true, true, true}}) {
         PolygonMesh cage = presetCage("ball");
         for (Vec3& point : cage.points) point.x() *= 1.2;
@@ -309,11 +312,11 @@ TEST(Tools, ASymmetricCageStaysSymmetricUnderEveryTool) {
         const std::vector<Vec3> before = workshop.surface();
         for (int i = 0; i <= 12; ++i) {
           // over the side and across the planes of symmetry
-          const double out = tool == Tool::kPull ? 0.125 + 0.002 * i : 0.14 - 0.003 * i;
-          workshop.frame(fitAt(Vec3(0.03 - 0.005 * i, out, 0.01 - 0.002 * i)), with(tool, symmetry));
+          const double out = tool == &kPullTool ? 0.125 + 0.002 * i : 0.14 - 0.003 * i;
+          workshop.frame(fitAt(Vec3(0.03 - 0.005 * i, out, 0.01 - 0.002 * i)), with(*tool, symmetry));
         }
         const std::vector<Vec3> after = workshop.surface();
-        EXPECT_GT(largestMove(before, after), tool == Tool::kSmooth ? 0.00005 : 0.01);
+        EXPECT_GT(largestMove(before, after), tool == &kSmoothTool ? 0.00005 : 0.01);
         EXPECT_LT(asymmetry(after, Vec3(-1, 1, 1)), 1e-6);
         if (!symmetry.y) {
           EXPECT_GT(asymmetry(after, Vec3(1, -1, 1)), 1e-5) << "and in no other axis";
@@ -330,23 +333,23 @@ TEST(Tools, ThePlanesOfSymmetryTurnWithTheClay) {
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()));
   PolygonMesh cage = presetCage("ball");
   for (Vec3& point : cage.points) point.x() *= 1.2;
-  const auto sculpt = [&](Workshop& workshop, const Eigen::Quaterniond& by, Tool tool) {
+  const auto sculpt = [&](Workshop& workshop, const Eigen::Quaterniond& by, const Tool* tool) {
     for (int i = 0; i <= 12; ++i) {
-      const double out = tool == Tool::kPull ? 0.125 + 0.002 * i : 0.14 - 0.003 * i;
+      const double out = tool == &kPullTool ? 0.125 + 0.002 * i : 0.14 - 0.003 * i;
       const Vec3 place(0.03 - 0.001 * i, out, 0.01 - 0.002 * i);
       const Eigen::Quaterniond rotation(Eigen::AngleAxisd(0.02 * i, Vec3::UnitX()));
-      workshop.frame(fitAt(by * place, by * rotation), with(tool, {true, true, false}));
+      workshop.frame(fitAt(by * place, by * rotation), with(*tool, {true, true, false}));
     }
     std::vector<Vec3> surface = workshop.surface();
     for (Vec3& point : surface) point = by.conjugate() * point;
     return surface;
   };
-  for (const SolveMethod rows : kBothSolves)
-    for (const Tool tool : {Tool::kPush, Tool::kPull, Tool::kSmooth}) {
+  for (const SolveMethod* rows : kBothSolves)
+    for (const Tool* tool : tools()) {
       Workshop lying(cage, rows, hand), turned(cage, rows, hand), moved(cage, rows, hand);
       const std::vector<Vec3> before = lying.surface();
       const std::vector<Vec3> truth = sculpt(lying, Eigen::Quaterniond::Identity(), tool);
-      EXPECT_GT(largestMove(before, truth), tool == Tool::kSmooth ? 0.00005 : 0.01);
+      EXPECT_GT(largestMove(before, truth), tool == &kSmoothTool ? 0.00005 : 0.01);
       turned.clay.turn(turn);
       const std::vector<Vec3> found = sculpt(turned, turn, tool);
       EXPECT_LT(largestMove(truth, found), 1e-5);
@@ -365,13 +368,13 @@ TEST(Tools, SymmetryOnAnyMeshDoesBothSidesAsTheMirroredHandWould) {
   PolygonMesh cage = ballCage(1);
   for (std::size_t i = 0; i < cage.points.size(); ++i) cage.points[i] *= 1 + 0.02 * std::sin(double(i * i));
   const HandModel hand = ballHand(kBallRadius_m);
-  for (const Tool tool : {Tool::kPush, Tool::kPull}) {
+  for (const Tool* tool : {&kPushTool, &kPullTool}) {
     std::vector<std::vector<Vec3>> surfaces;
     for (const double side : {1.0, -1.0, 0.0}) {  // 0: both, by symmetry
-      Workshop workshop(cage, SolveMethod::kTouched, hand);
+      Workshop workshop(cage, &kSolveTouched, hand);
       for (int i = 0; i <= 8; ++i) {
-        const double out = tool == Tool::kPull ? 0.125 + 0.002 * i : 0.14 - 0.003 * i;
-        workshop.frame(fitAt(Vec3(side < 0 ? -out : out, 0.01, 0)), with(tool, {side == 0, false, false}));
+        const double out = tool == &kPullTool ? 0.125 + 0.002 * i : 0.14 - 0.003 * i;
+        workshop.frame(fitAt(Vec3(side < 0 ? -out : out, 0.01, 0)), with(*tool, {side == 0, false, false}));
       }
       surfaces.push_back(workshop.surface());
     }
@@ -388,32 +391,32 @@ TEST(Tools, SymmetryOnAnyMeshDoesBothSidesAsTheMirroredHandWould) {
 }
 
 TEST(Tools, SwitchingInTheMiddleJumpsNowhere) {
-  for (const SolveMethod rows : kBothSolves) {
+  for (const SolveMethod* rows : kBothSolves) {
     Workshop workshop(ballCage(1), rows, ballHand(kBallRadius_m));
     // the hand stays, half in the clay: no switch moves anything but smoothing, which does little in a frame
     const GpuFit still = fitAt(Vec3(0.11, 0, 0));
-    workshop.frame(still, with(Tool::kPush));
+    workshop.frame(still, with(kPushTool));
     const std::vector<Vec3> before = workshop.surface();
     for (int i = 0; i < 3; ++i)
-      for (const Tool tool : {Tool::kPull, Tool::kPush, Tool::kPull})
+      for (const Tool* tool : {&kPullTool, &kPushTool, &kPullTool})
         for (const Symmetry& symmetry :
              {Symmetry{}, Symmetry{true, true, true}, Symmetry{false, true, false}}) {
-          workshop.frame(still, with(tool, symmetry));
-          workshop.frame(still, with(tool, symmetry));
+          workshop.frame(still, with(*tool, symmetry));
+          workshop.frame(still, with(*tool, symmetry));
         }
     EXPECT_LT(largestMove(before, workshop.surface()), 1e-5);
-    workshop.frame(still, with(Tool::kSmooth));
-    workshop.frame(still, with(Tool::kSmooth));
+    workshop.frame(still, with(kSmoothTool));
+    workshop.frame(still, with(kSmoothTool));
     EXPECT_LT(largestMove(before, workshop.surface()), 0.0005);
   }
 }
 
 TEST(Tools, AnOpenSheetIsPulledBySymmetricHands) {
-  for (const SolveMethod rows : kBothSolves) {
+  for (const SolveMethod* rows : kBothSolves) {
     Workshop workshop(sheetCage(12), rows, ballHand(kBallRadius_m));
     const std::vector<Vec3> before = workshop.surface();
     for (int i = 0; i <= 10; ++i)
-      workshop.frame(fitAt(Vec3(0.06, 0, 0.032 + 0.002 * i)), with(Tool::kPull, {true, false, false}));
+      workshop.frame(fitAt(Vec3(0.06, 0, 0.032 + 0.002 * i)), with(kPullTool, {true, false, false}));
     const std::vector<Vec3> after = workshop.surface();
     EXPECT_LT(asymmetry(after, Vec3(-1, 1, 1)), 1e-6);
     double right = 0, left = 0;

@@ -13,7 +13,7 @@
 namespace airclay {
 
 ClayState tubeState() {
-  return {presetCage("tube"), SubdivisionRule::kCatmullClark, 2, SolveMethod::kAll};
+  return {presetCage("tube"), SubdivisionRule::kCatmullClark, 2, &kSolveAll};
 }
 
 ClayState afterStroke(ClayState state, int number) {

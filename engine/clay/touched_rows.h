@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+// The rows of A that a move touches.
+#pragma once
+
+#include "engine/clay/subdivide.h"
+
+namespace airclay {
+
+/// The moved rows of A over the control points that they depend on; the others don't move.
+struct TouchedRows {
+  std::vector<int> columns;  ///< control points, ascending
+  StencilMatrix matrix;      ///< rows by columns
+};
+
+/// \pre `rows` are in range
+TouchedRows touchedRows(const StencilMatrix& matrix, const std::vector<int>& rows);
+
+}  // namespace airclay
