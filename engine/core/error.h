@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The one way a fault leaves the engine.
+// The exception that every engine error is reported by.
 #pragma once
 
 #include <stdexcept>
@@ -7,15 +7,15 @@
 
 namespace airclay {
 
-/// What a fault means to the one who started the program; the value is the exit status.
+/// The kind of error for the program's caller; the value is the exit status.
 enum class Fault {
-  kInput = 1,   ///< a file, a take, a device node or an output that is not as it must be
-  kUsage = 2,   ///< the command line asks for what does not exist
+  kInput = 1,   ///< an invalid file, take, device node or output
+  kUsage = 2,   ///< the command line asks for something that does not exist
   kDevice = 3,  ///< no usable Vulkan device, or it was lost
 };
 
-/// A fault. The message is one line that says what was wrong, where (file, line or key, camera, frame),
-/// and what would be right; it is printed as it stands.
+/// An error. The message is one line: what is wrong, where (file, line or key, camera, frame), and what would
+/// be right. It is printed unchanged.
 class Error : public std::runtime_error {
  public:
   explicit Error(const std::string& message, Fault fault = Fault::kInput)

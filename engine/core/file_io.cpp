@@ -18,9 +18,9 @@
 namespace airclay {
 namespace {
 
-constexpr size_t kWrittenAtOnce = size_t(4) << 20;  // bytes; then whoever waits may cancel
+constexpr size_t kWrittenAtOnce = size_t(4) << 20;  // bytes; between blocks the task can be cancelled
 
-/// An open file, closed on the way out.
+/// An open file descriptor, closed by the destructor.
 class FileHandle {
  public:
   explicit FileHandle(int descriptor) : descriptor_(descriptor) {}
@@ -30,7 +30,7 @@ class FileHandle {
     if (descriptor_ >= 0) ::close(descriptor_);
   }
   int get() const { return descriptor_; }
-  /// Closing tells of late write errors (quotas, network folders).
+  /// close() also reports late write errors (quotas, network folders).
   bool close() { return ::close(std::exchange(descriptor_, -1)) == 0; }
 
  private:
@@ -53,8 +53,8 @@ void writeAll(FileHandle& handle, const std::string& content, const std::string&
   if (!handle.close()) throw Error(name + ": cannot be written: " + reason());
 }
 
-/// A device or a pipe takes the content as it comes: a renamed file would take its place.
-void writeStraight(const std::filesystem::path& file, const std::string& content) {
+/// Writes into a device or a pipe directly: renaming a temporary file would replace it.
+void writeDirectly(const std::filesystem::path& file, const std::string& content) {
   FileHandle handle(::open(file.c_str(), O_WRONLY | O_CLOEXEC));
   if (handle.get() < 0) throw Error(file.string() + ": cannot be written: " + reason());
   writeAll(handle, content, file.string());
@@ -62,11 +62,11 @@ void writeStraight(const std::filesystem::path& file, const std::string& content
 
 }  // namespace
 
-std::optional<double> parseNumber(std::string_view word) {
-  if (word.starts_with('+')) word.remove_prefix(1);
+std::optional<double> parseNumber(std::string_view text) {
+  if (text.starts_with('+')) text.remove_prefix(1);
   double number = 0;
-  const auto [end, fault] = std::from_chars(word.data(), word.data() + word.size(), number);
-  if (word.empty() || end != word.data() + word.size() || fault != std::errc() || !std::isfinite(number))
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (text.empty() || end != text.data() + text.size() || status != std::errc() || !std::isfinite(number))
     return std::nullopt;
   return number;
 }
@@ -95,7 +95,7 @@ std::string readWhole(const std::filesystem::path& file, size_t max_bytes) {
     if (count == 0) return content;
     if (content.size() + size_t(count) > max_bytes)
       throw Error(name + ": is larger than " + std::to_string(max_bytes >> 20) +
-                  " MB, the most that is read");
+                  " MB, the largest size that is read");
     content.append(block.data(), size_t(count));
   }
 }
@@ -105,21 +105,21 @@ void writeWhole(const std::filesystem::path& file, const std::string& content) {
   if (std::filesystem::is_directory(file, ignored))
     throw Error(file.string() + ": cannot be written: it is a folder; name a file");
   if (std::filesystem::exists(file, ignored) && !std::filesystem::is_regular_file(file, ignored))
-    return writeStraight(file, content);
-  // Through a link: its target is replaced, the link stays.
+    return writeDirectly(file, content);
+  // A symbolic link stays; its target is replaced.
   const std::filesystem::path target =
       std::filesystem::is_symlink(file, ignored) ? std::filesystem::weakly_canonical(file, ignored) : file;
-  std::filesystem::path beside = target;
-  beside += ".part-" + std::to_string(::getpid());
-  FileHandle handle(::open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
+  std::filesystem::path part = target;
+  part += ".part-" + std::to_string(::getpid());
+  FileHandle handle(::open(part.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
   if (handle.get() < 0)
-    throw Error(file.string() + ": cannot be written: " + reason() + "; name a file in a folder that can be");
+    throw Error(file.string() + ": cannot be written: " + reason() + "; name a file in a writable folder");
   try {
     writeAll(handle, content, file.string());
-    if (::rename(beside.c_str(), target.c_str()) != 0)
+    if (::rename(part.c_str(), target.c_str()) != 0)
       throw Error(file.string() + ": cannot be written: " + reason());
-  } catch (...) {  // cancelled, too
-    ::unlink(beside.c_str());
+  } catch (...) {  // on cancellation too
+    ::unlink(part.c_str());
     throw;
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The vocabulary of geometry on the CPU: double precision, metres, radians, right-handed.
+// Geometry types on the CPU: double precision, metres, radians, right-handed.
 // World: z up, origin at the workspace's centre. Camera: x right, y down, z forward (OpenCV's).
 #pragma once
 

@@ -6,7 +6,7 @@
 
 namespace airclay {
 
-/// The middle value, the mean of the two middle ones of an even count; 0 of none.
+/// The middle value; the mean of the two middle values of an even count; 0 if empty.
 inline double median(std::vector<double> values) {
   if (values.empty()) return 0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);

@@ -4,24 +4,25 @@
 namespace airclay {
 namespace {
 
-thread_local Task* told = nullptr;
+thread_local Task* current = nullptr;
 
 }  // namespace
 
-Task::Task() : before_(told) {
-  told = this;
+Task::Task() : previous_(current) {
+  current = this;
 }
 
 Task::~Task() {
-  told = before_;
+  current = previous_;
 }
 
-void reportProgress(double share) {
-  if (told) told->onProgress(share);
+void reportProgress(double fraction) {
+  if (current) current->onProgress(fraction);
 }
 
 void reportProgress(std::size_t done, std::size_t total) {
-  if (told && done % 4096 == 0) told->onProgress(static_cast<double>(done) / static_cast<double>(total));
+  if (current && done % 4096 == 0)
+    current->onProgress(static_cast<double>(done) / static_cast<double>(total));
 }
 
 }  // namespace airclay

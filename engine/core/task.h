@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: MIT
-// Work that takes long says how far it is, and can be cancelled.
+// Progress reports and cancellation of long operations.
 //
 // Loops that may run for seconds (subdividing, reading and writing meshes, factorizing) call
-// reportProgress(). Whoever wants to know puts a Task in place on the thread that does the work; otherwise
-// nothing happens.
+// reportProgress(). To listen, create a Task on the thread that does the work. Without a Task,
+// reportProgress() does nothing.
 #pragma once
 
 #include <cstddef>
 
 namespace airclay {
 
-/// Told of the work that is done on this thread while it exists. The one put in place last is told.
+/// Receives the progress of the work on this thread while it exists. The most recently created Task receives
+/// it.
 class Task {
  public:
   Task();
@@ -18,17 +19,18 @@ class Task {
   Task(const Task&) = delete;
   Task& operator=(const Task&) = delete;
 
-  /// `share` of the step under way is done, 0 to 1. To cancel, throw: the work unwinds and leaves everything
-  /// as it was.
-  virtual void onProgress(double share) = 0;
+  /// `fraction` of the current step is done, 0 to 1. To cancel, throw: the work unwinds and leaves everything
+  /// unchanged.
+  virtual void onProgress(double fraction) = 0;
 
  private:
-  Task* const before_;
+  Task* const previous_;
 };
 
-/// Tells the thread's Task, if any. Cheap enough for every few thousand elements. \throw what cancels
-void reportProgress(double share);
-/// The same for element `done` of `total`, of which every 4,096th is told.
+/// Reports to the thread's Task, if any. Cheap enough for every few thousand elements. \throw what the Task
+/// throws to cancel
+void reportProgress(double fraction);
+/// The same for element `done` of `total`; only every 4,096th call reports.
 void reportProgress(std::size_t done, std::size_t total);
 
 }  // namespace airclay

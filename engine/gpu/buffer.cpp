@@ -13,13 +13,13 @@ RawBuffer::RawBuffer(Gpu& gpu, std::uint64_t bytes, Memory memory) : gpu_(&gpu),
   info.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT |
                VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT |
                VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_INDEX_BUFFER_BIT;
-  check(vkCreateBuffer(gpu.device(), &info, nullptr, &buffer_), "make a buffer");
+  check(vkCreateBuffer(gpu.device(), &info, nullptr, &buffer_), "create a buffer");
 
   VkMemoryRequirements requirements;
   vkGetBufferMemoryRequirements(gpu.device(), buffer_, &requirements);
   constexpr VkMemoryPropertyFlags mapped =
       VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
-  // software devices map everything; on others only what the host touches every frame
+  // software devices map everything; others only what the host touches every frame
   const bool map = memory == Memory::kHost || gpu.isCpu();
   VkMemoryAllocateFlagsInfo flags{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO};
   flags.flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT;
@@ -29,8 +29,8 @@ RawBuffer::RawBuffer(Gpu& gpu, std::uint64_t bytes, Memory memory) : gpu_(&gpu),
   allocation.memoryTypeIndex =
       map ? gpu.memoryType(requirements.memoryTypeBits, mapped, VK_MEMORY_PROPERTY_HOST_CACHED_BIT)
           : gpu.memoryType(requirements.memoryTypeBits, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, 0);
-  check(vkAllocateMemory(gpu.device(), &allocation, nullptr, &memory_), "take memory for a buffer");
-  check(vkBindBufferMemory(gpu.device(), buffer_, memory_, 0), "bind a buffer's memory");
+  check(vkAllocateMemory(gpu.device(), &allocation, nullptr, &memory_), "allocate memory for a buffer");
+  check(vkBindBufferMemory(gpu.device(), buffer_, memory_, 0), "bind a buffer to its memory");
   if (map) {
     void* pointer = nullptr;
     check(vkMapMemory(gpu.device(), memory_, 0, VK_WHOLE_SIZE, 0, &pointer), "map a buffer");

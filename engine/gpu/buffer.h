@@ -13,13 +13,13 @@
 
 namespace airclay {
 
-/// Where a buffer lives.
+/// Where a buffer is allocated.
 enum class Memory {
   kDevice,  ///< fastest for kernels; written and read by the host through upload() and download()
-  kHost,    ///< mapped: host() is the kernels' own memory (frames that come in, results that go out)
+  kHost,    ///< mapped: host() is the memory that kernels use (incoming frames, outgoing results)
 };
 
-/// The untyped part of Buffer<T>. One allocation each: the engine has dozens of buffers, not thousands.
+/// The untyped part of Buffer<T>. One allocation per buffer: the engine has dozens of buffers, not thousands.
 class RawBuffer {
  public:
   RawBuffer() = default;
@@ -34,11 +34,12 @@ class RawBuffer {
   std::uint64_t address() const { return address_; }
   std::uint64_t bytes() const { return bytes_; }
   VkBuffer handle() const { return buffer_; }
-  /// Of this buffer's first byte within handle().
+  /// Offset of this buffer's first byte in handle().
   std::uint64_t offset() const { return offset_; }
   unsigned char* mapped() const { return mapped_ ? mapped_ + offset_ : nullptr; }
 
-  /// Copies through the map, or a staging buffer and a submission of its own. Not for the frame's path.
+  /// Copies through the mapping, or through a staging buffer and a submission of its own. Not for use in
+  /// every frame.
   void upload(const void* data, std::uint64_t bytes);
   void download(void* data, std::uint64_t bytes) const;
 
@@ -54,7 +55,7 @@ class RawBuffer {
   unsigned char* mapped_ = nullptr;
 };
 
-/// `count` values of T. Never empty: a count of 0 holds one, so that its address is valid.
+/// `count` values of T. Never empty: a count of 0 allocates one value, so that the address is valid.
 template <class T>
 class Buffer {
   static_assert(std::is_standard_layout_v<T>, "a buffer's values are copied as bytes");
@@ -73,7 +74,7 @@ class Buffer {
   std::size_t count() const { return count_; }
   const RawBuffer& raw() const { return raw_; }
 
-  /// \pre made with Memory::kHost
+  /// \pre created with Memory::kHost
   std::span<T> host() { return {reinterpret_cast<T*>(raw_.mapped()), count_}; }
   std::span<const T> host() const { return {reinterpret_cast<const T*>(raw_.mapped()), count_}; }
 
@@ -84,7 +85,7 @@ class Buffer {
     return values;
   }
 
-  /// The address of element `index`, as a kernel's argument.
+  /// The address of element `index`, for a kernel's arguments.
   DevicePointer<T> at(std::size_t index) const { return {raw_.address() + index * sizeof(T)}; }
   operator DevicePointer<T>() const { return {raw_.address()}; }
   operator DevicePointer<const T>() const { return {raw_.address()}; }

@@ -13,7 +13,7 @@ namespace {
 
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 
-/// The features that the engine uses, chained for a query or for the device's creation.
+/// The features that the engine uses, chained for a query or for device creation.
 struct Features {
   VkPhysicalDeviceVulkan13Features v13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
   VkPhysicalDeviceVulkan12Features v12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
@@ -32,7 +32,7 @@ struct RequiredFeature {
   VkBool32& (*flag)(Features&);
 };
 
-/// All that is required, by name; one list serves the query, the creation and the message.
+/// All required features, by name; the query, the device creation and the message share this list.
 const RequiredFeature kRequired[] = {
     {"bufferDeviceAddress", [](Features& f) -> VkBool32& { return f.v12.bufferDeviceAddress; }},
     {"scalarBlockLayout", [](Features& f) -> VkBool32& { return f.v12.scalarBlockLayout; }},
@@ -60,7 +60,7 @@ const char* typeName(VkPhysicalDeviceType type) {
   }
 }
 
-/// Higher is better: a real GPU before a software one.
+/// Higher is better: a hardware GPU before a software one.
 int rank(const std::string& type) {
   if (type == "discrete") return 4;
   if (type == "integrated") return 3;
@@ -76,15 +76,15 @@ std::vector<VkPhysicalDevice> physicalDevices(VkInstance instance) {
   return devices;
 }
 
-/// The queue family that does both compute and graphics with timestamps; -1 when there is none.
+/// The queue family that supports compute, graphics and timestamps; -1 if there is none.
 int computeAndGraphicsFamily(VkPhysicalDevice device) {
   std::uint32_t count = 0;
   vkGetPhysicalDeviceQueueFamilyProperties(device, &count, nullptr);
   std::vector<VkQueueFamilyProperties> families(count);
   vkGetPhysicalDeviceQueueFamilyProperties(device, &count, families.data());
-  constexpr VkQueueFlags wanted = VK_QUEUE_COMPUTE_BIT | VK_QUEUE_GRAPHICS_BIT;
+  constexpr VkQueueFlags required = VK_QUEUE_COMPUTE_BIT | VK_QUEUE_GRAPHICS_BIT;
   for (std::uint32_t i = 0; i < count; ++i)
-    if ((families[i].queueFlags & wanted) == wanted && families[i].timestampValidBits > 0)
+    if ((families[i].queueFlags & required) == required && families[i].timestampValidBits > 0)
       return static_cast<int>(i);
   return -1;
 }
@@ -110,7 +110,7 @@ DeviceInfo describe(VkPhysicalDevice device) {
 
   if (info.api_version < VK_API_VERSION_1_3) {
     info.missing.push_back("Vulkan 1.3");
-    return info;  // its feature structs may not be known
+    return info;  // the driver may not know its feature structs
   }
   Features features;
   vkGetPhysicalDeviceFeatures2(device, &features.core);
@@ -126,9 +126,9 @@ DeviceInfo describe(VkPhysicalDevice device) {
   return info;
 }
 
-std::string joined(const std::vector<std::string>& words) {
+std::string joined(const std::vector<std::string>& names) {
   std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
   return text;
 }
 
@@ -154,7 +154,7 @@ VkDebugUtilsMessengerCreateInfoEXT messengerInfo(ValidationMessages* messages) {
 
 VkInstance makeInstance(bool validation, ValidationMessages* messages) {
   // Mesa's implicit device-select layer asks the display which device it uses, and complains on standard
-  // error where there is no display; the choice is ours (--device).
+  // error if there is no display; --device chooses the device.
   setenv("NODEVICE_SELECT", "1", 0);
   VkApplicationInfo application{VK_STRUCTURE_TYPE_APPLICATION_INFO};
   application.pApplicationName = "Airclay";
@@ -177,7 +177,7 @@ VkInstance makeInstance(bool validation, ValidationMessages* messages) {
     info.enabledLayerCount = 1;
     info.ppEnabledLayerNames = &kValidationLayer;
   }
-  // what a window needs, where the loader has it
+  // the extensions that a window needs, if the loader has them
   std::uint32_t count = 0;
   vkEnumerateInstanceExtensionProperties(nullptr, &count, nullptr);
   std::vector<VkExtensionProperties> available(count);
@@ -245,10 +245,10 @@ Gpu::Gpu(const GpuOptions& options) : Gpu(Empty{}) {
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const DeviceInfo info = describe(candidates[i]);
     names.push_back(std::to_string(i) + " " + info.name);
-    const bool wanted =
+    const bool required =
         options.device.empty() || (by_index ? options.device == std::to_string(i)
                                             : info.name.find(options.device) != std::string::npos);
-    if (!wanted) continue;
+    if (!required) continue;
     if (!info.missing.empty()) {
       if (!options.device.empty())
         throw Error("device " + info.name + " lacks " + joined(info.missing), Fault::kDevice);
@@ -262,7 +262,7 @@ Gpu::Gpu(const GpuOptions& options) : Gpu(Empty{}) {
   if (best < 0) {
     if (!options.device.empty())
       throw Error("no Vulkan device '" + options.device + "'; there are: " + joined(names), Fault::kDevice);
-    throw Error("none of the Vulkan devices has what is needed; `airclay devices` says what each lacks",
+    throw Error("no Vulkan device has all required features; `airclay devices` lists what each lacks",
                 Fault::kDevice);
   }
   physical_device_ = candidates[static_cast<std::size_t>(best)];
@@ -275,7 +275,7 @@ void Gpu::createInstance(bool validation) {
   const auto create = reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(
       vkGetInstanceProcAddr(instance_, "vkCreateDebugUtilsMessengerEXT"));
   const VkDebugUtilsMessengerCreateInfoEXT info = messengerInfo(&messages_);
-  check(create(instance_, &info, nullptr, &messenger_), "listen to the validation layer");
+  check(create(instance_, &info, nullptr, &messenger_), "register the validation callback");
 }
 
 void Gpu::createDevice() {
@@ -326,12 +326,12 @@ Gpu::~Gpu() {
   if (instance_) vkDestroyInstance(instance_, nullptr);
 }
 
-std::uint32_t Gpu::memoryType(std::uint32_t type_bits, VkMemoryPropertyFlags wanted,
+std::uint32_t Gpu::memoryType(std::uint32_t type_bits, VkMemoryPropertyFlags required,
                               VkMemoryPropertyFlags preferred) const {
-  for (const VkMemoryPropertyFlags flags : {wanted | preferred, wanted})
+  for (const VkMemoryPropertyFlags flags : {required | preferred, required})
     for (std::uint32_t i = 0; i < memory_.memoryTypeCount; ++i)
       if ((type_bits >> i & 1) && (memory_.memoryTypes[i].propertyFlags & flags) == flags) return i;
-  throw Error("the Vulkan device has no memory of the kind needed", Fault::kDevice);
+  throw Error("the Vulkan device has no suitable memory type", Fault::kDevice);
 }
 
 void Gpu::submit(VkCommandBuffer commands, VkFence fence, const VkSemaphoreSubmitInfo* wait,
@@ -352,7 +352,7 @@ void Gpu::submit(VkCommandBuffer commands, VkFence fence, const VkSemaphoreSubmi
 void Gpu::noteEnd(Clock::time_point submitted) {
   const auto now = Clock::now();
   const std::lock_guard lock(ends_mutex_);
-  // before the end of another one it waited for the queue
+  // measured from the end of another submission, if it waited for that one in the queue
   const auto began = std::max(submitted, last_end_);
   longest_submission_s_ = std::max(longest_submission_s_, secondsBetween(began, now));
   last_end_ = now;

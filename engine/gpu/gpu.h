@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The Vulkan device: which one, with what it must have, and the memory that is live on it.
+// The Vulkan device: selection, required features, and the live buffers in its memory.
 #pragma once
 
 #include <vulkan/vulkan.h>
@@ -14,77 +14,77 @@
 
 namespace airclay {
 
-/// What `airclay devices` shows of a device.
+/// A device as listed by `airclay devices`.
 struct DeviceInfo {
   std::string name;
   std::string type;  ///< discrete, integrated, virtual, cpu
   std::string driver;
   std::uint32_t api_version = 0;
   std::uint64_t memory_bytes = 0;    ///< of the largest device-local heap
-  std::vector<std::string> missing;  ///< names of required features that it lacks; empty when usable
+  std::vector<std::string> missing;  ///< names of missing required features; empty if usable
 };
 
 struct GpuOptions {
-  std::string device;       ///< index or part of a name; empty: the best usable one
+  std::string device;       ///< index or part of a name; empty: the best usable device
   bool validation = false;  ///< the Khronos layer with synchronization checks; messages are collected
-  bool guards = false;      ///< guard words before and behind every buffer, for damagedGuards()
+  bool guards = false;      ///< guard bytes before and after every buffer, for damagedGuards()
 };
 
-/// What the validation layer said; it calls from any thread.
+/// Messages of the validation layer, which calls from any thread.
 struct ValidationMessages {
   mutable std::mutex mutex;
   std::vector<std::string> texts;
 };
 
-/// One device, one queue for compute and graphics. Not copyable; outlives all that is made on it. Threads may
-/// share it: each records with a Recorder of its own.
+/// One device, one queue for compute and graphics. Not copyable; must outlive everything created on it.
+/// Threads may share it: each records with its own Recorder.
 class Gpu {
  public:
-  /// \throw Error (Fault::kDevice) when there is no such device, or naming what it lacks.
+  /// \throw Error (Fault::kDevice) if there is no such device, or if it lacks a required feature.
   explicit Gpu(const GpuOptions& options = {});
   ~Gpu();
   Gpu(const Gpu&) = delete;
   Gpu& operator=(const Gpu&) = delete;
 
   /// All devices of this machine, in the order that --device counts them. \throw Error without a Vulkan
-  /// loader.
+  /// loader
   static std::vector<DeviceInfo> devices();
 
   const DeviceInfo& info() const { return info_; }
   VkDevice device() const { return device_; }
   VkPhysicalDevice physicalDevice() const { return physical_device_; }
   VkInstance instance() const { return instance_; }
-  /// For whoever must give the queue to others (a window's toolkit), with queueMutex() held.
+  /// For code that must pass the queue on (a window toolkit), with queueMutex() locked.
   VkQueue queue() const { return queue_; }
   std::mutex& queueMutex() { return queue_mutex_; }
   std::uint32_t queueFamily() const { return queue_family_; }
   const VkPhysicalDeviceLimits& limits() const { return limits_; }
 
-  /// True for a software device (lavapipe): barriers inside a workgroup are dear, so workgroups are one
-  /// subgroup.
+  /// True for a software device (lavapipe): barriers inside a workgroup are expensive there, so workgroups
+  /// are one subgroup.
   bool isCpu() const { return is_cpu_; }
   std::uint32_t subgroupSize() const { return subgroup_size_; }
-  /// Invocations of a workgroup that reduces in shared memory.
+  /// Workgroup size for reductions in shared memory.
   std::uint32_t reductionWorkgroup() const { return is_cpu_ ? subgroup_size_ : 256; }
 
-  /// Submits a recorded command buffer, with what it waits for and signals, if anything; `fence` tells its
+  /// Submits a recorded command buffer, with optional wait and signal semaphores; `fence` is signalled at its
   /// end.
   void submit(VkCommandBuffer commands, VkFence fence, const VkSemaphoreSubmitInfo* wait = nullptr,
               const VkSemaphoreSubmitInfo* signal = nullptr);
 
-  /// Told by whoever waits for submissions: one of this time has just ended.
+  /// Called by the thread that waited: the submission of that time has just ended.
   void noteEnd(Clock::time_point submitted);
-  /// How long the longest submission since the last call ran, milliseconds, as seen by who waited for it.
+  /// Duration of the longest submission since the last call, milliseconds, as seen by the waiting thread.
   double takeLongestSubmissionMs();
 
-  /// Until all that was submitted is done.
+  /// Waits until everything submitted is done.
   void waitIdle();
 
   /// Messages of the validation layer since the start; a test expects none.
   std::vector<std::string> validationMessages() const;
 
-  /// A memory type that has all of `wanted`, preferably `preferred` too.
-  std::uint32_t memoryType(std::uint32_t type_bits, VkMemoryPropertyFlags wanted,
+  /// A memory type that has all of `required`, and preferably `preferred` too.
+  std::uint32_t memoryType(std::uint32_t type_bits, VkMemoryPropertyFlags required,
                            VkMemoryPropertyFlags preferred) const;
 
   // --- live buffers, by device address: the recorder finds the buffer that a pointer points into ---
@@ -94,18 +94,18 @@ class Gpu {
   };
   void addLiveBuffer(std::uint64_t address, const LiveBuffer& buffer);
   void removeLiveBuffer(std::uint64_t address);
-  /// The first address of the live buffer that holds `address`; 0 when there is none.
+  /// The start address of the live buffer that contains `address`; 0 if there is none.
   std::uint64_t liveBufferAt(std::uint64_t address) const;
-  /// How many live buffers have had their guard words overwritten.
+  /// The number of live buffers whose guard bytes were overwritten.
   int damagedGuards() const;
   bool guards() const { return guards_; }
 
-  static constexpr std::uint32_t kGuardBytes = 256;  ///< a multiple of every alignment that we use
+  static constexpr std::uint32_t kGuardBytes = 256;  ///< a multiple of every alignment in use
   static constexpr unsigned char kGuardByte = 0xA5;
 
  private:
   struct Empty {};
-  explicit Gpu(Empty) {}  // delegated to, so that a constructor that throws still destroys what it made
+  explicit Gpu(Empty) {}  // delegated to, so that a constructor that throws still destroys what it created
   void createInstance(bool validation);
   void createDevice();
 
@@ -122,7 +122,7 @@ class Gpu {
   VkPhysicalDeviceMemoryProperties memory_{};
   DeviceInfo info_;
   std::mutex queue_mutex_;
-  std::mutex ends_mutex_;  ///< of the two that follow
+  std::mutex ends_mutex_;  ///< guards the next two members
   Clock::time_point last_end_{};
   double longest_submission_s_ = 0;
   ValidationMessages messages_;

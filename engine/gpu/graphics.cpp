@@ -66,7 +66,7 @@ VkPipelineColorBlendAttachmentState blendState(Blend blend) {
   state.srcColorBlendFactor = VK_BLEND_FACTOR_SRC_ALPHA;
   state.dstColorBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
   state.colorBlendOp = VK_BLEND_OP_ADD;
-  // so that what was opaque stays opaque
+  // so that opaque pixels stay opaque
   state.srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE;
   state.dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA;
   state.alphaBlendOp = VK_BLEND_OP_ADD;
@@ -115,7 +115,7 @@ void beginRendering(VkCommandBuffer commands, const RenderPass& pass, VkExtent2D
 
 RawGraphicsPipeline::RawGraphicsPipeline(Gpu& gpu, const char* name, const GraphicsShaders& shaders,
                                          const GraphicsOptions& options, std::uint32_t args_bytes)
-    : RawGraphicsPipeline() {  // delegated to, so that what is made is destroyed when this throws
+    : RawGraphicsPipeline() {  // delegated to, so that what was created is destroyed if this throws
   gpu_ = &gpu;
   name_ = name;
   readInterface(shaders.vertex, args_bytes);
@@ -124,7 +124,7 @@ RawGraphicsPipeline::RawGraphicsPipeline(Gpu& gpu, const char* name, const Graph
   VkPipelineLayoutCreateInfo layout{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
   layout.pushConstantRangeCount = 1;
   layout.pPushConstantRanges = &range;
-  check(vkCreatePipelineLayout(gpu.device(), &layout, nullptr, &layout_), "make a pipeline layout");
+  check(vkCreatePipelineLayout(gpu.device(), &layout, nullptr, &layout_), "create a pipeline layout");
   make(shaders, options);
 }
 
@@ -191,7 +191,7 @@ void RawGraphicsPipeline::make(const GraphicsShaders& shaders, const GraphicsOpt
   info.pDynamicState = &dynamic;
   info.layout = layout_;
   check(vkCreateGraphicsPipelines(gpu_->device(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline_),
-        "make a graphics pipeline");
+        "create a graphics pipeline");
 }
 
 RawGraphicsPipeline::~RawGraphicsPipeline() {
@@ -210,7 +210,7 @@ void RawGraphicsPipeline::swap(RawGraphicsPipeline& other) noexcept {
 
 void render(Recorder& recorder, const RenderPass& pass, const std::vector<Draw>& draws) {
   const Image* sized = pass.color ? pass.color : pass.depth;
-  if (!sized) throw Error("a pass draws into nothing", Fault::kDevice);
+  if (!sized) throw Error("a render pass has no attachment", Fault::kDevice);
   std::vector<Access> accesses;
   for (const Draw& d : draws) {
     const std::vector<Access> of_draw = recorder.accessesOf(d.pipeline->pointers(), d.args.data());

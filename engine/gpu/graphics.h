@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
-// Drawing: graphics pipelines that take one struct of arguments, as kernels do, and passes that draw with
-// them.
+// Drawing: graphics pipelines that take one struct of arguments, like kernels, and render passes that draw
+// with them.
 //
-//     struct LineArgs { ReadVec3s points; mat4 clip_from_world; … };           // line_io.h, at most 128
-//     bytes GraphicsPipeline<LineArgs> lines(gpu, "lines", {line_vert, line_frag}, {.blend = Blend::kAlpha});
+//     struct LineArgs { ReadVec3s points; mat4 clip_from_world; … };  // line_io.h, at most 128 bytes
+//     GraphicsPipeline<LineArgs> lines(gpu, "lines", {line_vert, line_frag}, {.blend = Blend::kAlpha});
 //     Canvas canvas(gpu, 640, 480);
 //     render(recorder, canvas.pass(vec4(0, 0, 0, 1)), {draw(lines, args, 2 * count)});
 //     copyToBuffer(recorder, canvas.resolved, image.raw());
 //
-// There is no vertex input and no texture: shaders read all through the arguments' device pointers, by
-// gl_VertexIndex or by pixel, and the recorder derives the barriers from these as it does for kernels.
+// There are no vertex inputs and no textures: shaders read everything through the arguments' device pointers,
+// by gl_VertexIndex or by pixel, and the recorder derives the barriers from these as for kernels.
 #pragma once
 
 #include <optional>
@@ -20,22 +20,22 @@ namespace airclay {
 
 enum class Blend {
   kOpaque,
-  kAlpha,      ///< colour * alpha + what is there * (1 - alpha)
-  kDepthOnly,  ///< the colour stays as it is
+  kAlpha,      ///< colour * alpha + destination * (1 - alpha)
+  kDepthOnly,  ///< the colour does not change
 };
 
-/// What is fixed when a graphics pipeline is made.
+/// The fixed state of a graphics pipeline.
 struct GraphicsOptions {
   VkPrimitiveTopology topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
-  /// Front faces are anticlockwise in the image, as our meshes are from outside.
+  /// Front faces are anticlockwise in the image, like our meshes seen from outside.
   VkCullModeFlags cull = VK_CULL_MODE_NONE;
   bool depth_test = true;   ///< nearer or equal passes
   bool depth_write = true;  ///< only with depth_test
   Blend blend = Blend::kOpaque;
-  bool has_color = true, has_depth = true;  ///< what the pass draws into; a shadow map has no colour
+  bool has_color = true, has_depth = true;  ///< the attachments of the pass; a shadow map has no colour
   ImageKind color_kind = ImageKind::kColor;
   std::uint32_t samples = kSamples;
-  /// Pushes surfaces back: constant (in units of the depth's resolution) and by slope. For shadow maps.
+  /// Depth bias: constant (in units of the depth resolution) and by slope. For shadow maps.
   float depth_bias = 0, depth_bias_slope = 0;
   std::vector<std::uint32_t> constants;  ///< specialization constants 0, 1, … of both shaders
 };
@@ -49,7 +49,7 @@ struct GraphicsShaders {
 class RawGraphicsPipeline {
  public:
   RawGraphicsPipeline() = default;
-  /// \throw Error when a shader writes through an argument: draws only read.
+  /// \throw Error if a shader writes through an argument: draws only read.
   RawGraphicsPipeline(Gpu& gpu, const char* name, const GraphicsShaders& shaders,
                       const GraphicsOptions& options, std::uint32_t args_bytes);
   RawGraphicsPipeline(RawGraphicsPipeline&& other) noexcept { swap(other); }
@@ -62,7 +62,7 @@ class RawGraphicsPipeline {
   const std::string& name() const { return name_; }
   VkPipeline pipeline() const { return pipeline_; }
   VkPipelineLayout layout() const { return layout_; }
-  /// Of both shaders.
+  /// The pointers of both shaders.
   const std::vector<PointerArgument>& pointers() const { return pointers_; }
 
  private:
@@ -91,13 +91,13 @@ class GraphicsPipeline : public RawGraphicsPipeline {
 
 /// One draw call with its arguments.
 struct Draw {
-  const RawGraphicsPipeline* pipeline = nullptr;  ///< must live until the pass is recorded
+  const RawGraphicsPipeline* pipeline = nullptr;  ///< must outlive the recording of the pass
   std::vector<unsigned char> args;
   std::uint32_t vertices = 0, instances = 1;
   std::uint32_t first = 0;  ///< of the indices
-  /// Optional: four uints on the device (vertices, instances, 0, 0) that stand for the two above.
+  /// Optional: four uints on the device (vertices, instances, 0, 0) that replace the two above.
   const RawBuffer* counts = nullptr;
-  /// Optional: uints that gl_VertexIndex runs through, so that a corner shared by triangles is treated once.
+  /// Optional: index values for gl_VertexIndex, so that a corner shared by triangles is processed once.
   const RawBuffer* indices = nullptr;
 };
 
@@ -108,7 +108,7 @@ Draw draw(const GraphicsPipeline<Args>& pipeline, const Args& args, std::uint32_
   return {&pipeline, {bytes, bytes + sizeof(Args)}, vertices, instances};
 }
 
-/// The same with counts that a kernel found.
+/// The same, with counts computed by a kernel.
 template <class Args>
 Draw drawCounted(const GraphicsPipeline<Args>& pipeline, const Args& args, const RawBuffer& counts) {
   Draw counted = draw(pipeline, args, 0);
@@ -116,7 +116,7 @@ Draw drawCounted(const GraphicsPipeline<Args>& pipeline, const Args& args, const
   return counted;
 }
 
-/// The same through indices, all of them.
+/// The same, with all of the given indices.
 template <class Args>
 Draw drawIndexed(const GraphicsPipeline<Args>& pipeline, const Args& args,
                  const Buffer<std::uint32_t>& indices) {
@@ -125,7 +125,7 @@ Draw drawIndexed(const GraphicsPipeline<Args>& pipeline, const Args& args,
   return indexed;
 }
 
-/// What a pass draws into, all of one size. What has no clear value keeps what was drawn before.
+/// The attachments of a pass, all of one size. An attachment without a clear value keeps its content.
 struct RenderPass {
   Image* color = nullptr;
   Image* resolve = nullptr;  ///< receives the average of colour's samples
@@ -134,16 +134,16 @@ struct RenderPass {
   std::optional<float> clear_depth;
 };
 
-/// Records the draws in order. Barriers that their arguments need come before the whole pass.
+/// Records the draws in order. The barriers for their arguments precede the whole pass.
 void render(Recorder& recorder, const RenderPass& pass, const std::vector<Draw>& draws);
 
-/// The images of one image: colour and depth with kSamples samples, and the colour resolved.
+/// The attachments for one image: colour and depth with kSamples samples, and the resolved colour.
 struct Canvas {
   Image color, depth, resolved;
 
   Canvas() = default;
   Canvas(Gpu& gpu, std::uint32_t width, std::uint32_t height);
-  /// A pass that starts from an empty image.
+  /// A pass that clears the image first.
   RenderPass pass(const vec4& clear_color) { return {&color, &resolved, &depth, clear_color, 1.0f}; }
 };
 

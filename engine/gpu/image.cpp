@@ -26,7 +26,7 @@ VkImageView makeImageView(Gpu& gpu, VkImage image, VkFormat format, VkImageAspec
   info.format = format;
   info.subresourceRange = {aspect, 0, 1, 0, 1};
   VkImageView view = VK_NULL_HANDLE;
-  check(vkCreateImageView(gpu.device(), &info, nullptr, &view), "make an image's view");
+  check(vkCreateImageView(gpu.device(), &info, nullptr, &view), "create an image view");
   return view;
 }
 
@@ -48,7 +48,7 @@ void recordLayout(VkCommandBuffer commands, VkImage image, VkImageAspectFlags as
 }
 
 Image::Image(Gpu& gpu, ImageKind kind, std::uint32_t width, std::uint32_t height, std::uint32_t samples)
-    : Image() {  // delegated to, so that what is made is destroyed when this throws
+    : Image() {  // delegated to, so that what was created is destroyed if this throws
   gpu_ = &gpu;
   kind_ = kind;
   width_ = width;
@@ -58,7 +58,7 @@ Image::Image(Gpu& gpu, ImageKind kind, std::uint32_t width, std::uint32_t height
   if (width == 0 || height == 0 || width > most || height > most)
     throw Error("an image of " + std::to_string(width) + " x " + std::to_string(height) +
                     " pixels cannot be drawn on " + gpu.info().name + "; 1 to " + std::to_string(most) +
-                    " along each side would be right",
+                    " along each side is allowed",
                 Fault::kDevice);
   VkImageCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
   info.imageType = VK_IMAGE_TYPE_2D;
@@ -68,13 +68,13 @@ Image::Image(Gpu& gpu, ImageKind kind, std::uint32_t width, std::uint32_t height
   info.samples = static_cast<VkSampleCountFlagBits>(samples);
   const bool is_depth = kind == ImageKind::kDepth;
   if (!is_depth && samples == 1) {
-    // as bytes for whoever copies it, through an sRGB view for whoever draws into it
+    // bytes for copies, an sRGB view for drawing
     info.format = kind == ImageKind::kColor ? VK_FORMAT_R8G8B8A8_UNORM : VK_FORMAT_B8G8R8A8_UNORM;
     info.flags = VK_IMAGE_CREATE_MUTABLE_FORMAT_BIT;
   }
   info.usage = is_depth ? VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT : VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
   if (samples == 1) info.usage |= VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
-  check(vkCreateImage(gpu.device(), &info, nullptr, &image_), "make an image");
+  check(vkCreateImage(gpu.device(), &info, nullptr, &image_), "create an image");
 
   VkMemoryRequirements requirements;
   vkGetImageMemoryRequirements(gpu.device(), image_, &requirements);
@@ -82,8 +82,8 @@ Image::Image(Gpu& gpu, ImageKind kind, std::uint32_t width, std::uint32_t height
   allocation.allocationSize = requirements.size;
   allocation.memoryTypeIndex =
       gpu.memoryType(requirements.memoryTypeBits, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, 0);
-  check(vkAllocateMemory(gpu.device(), &allocation, nullptr, &memory_), "take memory for an image");
-  check(vkBindImageMemory(gpu.device(), image_, memory_, 0), "bind an image's memory");
+  check(vkAllocateMemory(gpu.device(), &allocation, nullptr, &memory_), "allocate memory for an image");
+  check(vkBindImageMemory(gpu.device(), image_, memory_, 0), "bind an image to its memory");
 
   view_ = makeImageView(gpu, image_, formatOf(kind), aspect());
 }
@@ -118,7 +118,7 @@ void Image::transition(VkCommandBuffer commands, VkImageLayout layout, bool keep
 
 void copyImage(Recorder& recorder, Image& from, Image& to) {
   if (from.kind() != to.kind() || from.width() != to.width() || from.height() != to.height())
-    throw Error("an image is copied to one of another kind or size", Fault::kDevice);
+    throw Error("source and destination of an image copy differ in kind or size", Fault::kDevice);
   VkCommandBuffer commands = recorder.commandsFor("copy image", {});
   from.transition(commands, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, true);
   to.transition(commands, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, false);
@@ -131,7 +131,7 @@ void copyImage(Recorder& recorder, Image& from, Image& to) {
 
 void copyToBuffer(Recorder& recorder, Image& image, const RawBuffer& buffer, std::uint64_t offset) {
   if (offset + 4ull * image.width() * image.height() > buffer.bytes())
-    throw Error("an image is larger than the buffer that it is copied to", Fault::kDevice);
+    throw Error("the destination buffer of an image copy is too small", Fault::kDevice);
   VkCommandBuffer commands = recorder.commandsFor("copy image", {{buffer.address(), false, true}});
   image.transition(commands, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, true);
   VkBufferImageCopy region{};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// An image in the device's memory that is drawn into, owned by value.
+// An image in device memory that can be drawn into, owned by value.
 #pragma once
 
 #include "engine/gpu/buffer.h"
@@ -8,25 +8,25 @@
 namespace airclay {
 
 enum class ImageKind {
-  kColor,   ///< 8 bits a channel, red first; shaders write linear light, memory and copies hold sRGB
-  kScreen,  ///< the same, blue first: what a window's image is a plain copy of
+  kColor,   ///< 8 bits per channel, red first; shaders write linear light, memory and copies are sRGB
+  kScreen,  ///< the same, blue first, as a window's swapchain image: a plain copy suffices
   kDepth,   ///< 32-bit float, 0 near, 1 far
 };
 
 VkFormat formatOf(ImageKind kind);
 
-/// A view of a plane image, whoever owns it.
+/// A view of a 2D image, whoever owns it.
 VkImageView makeImageView(Gpu& gpu, VkImage image, VkFormat format, VkImageAspectFlags aspect);
-/// Records a barrier that also takes an image from one layout to another. Everything before is done then, and
-/// all of it can be read.
+/// Records a barrier and layout transition. Everything before it completes, and all later commands see the
+/// results.
 void recordLayout(VkCommandBuffer commands, VkImage image, VkImageAspectFlags aspect, VkImageLayout from,
                   VkImageLayout to);
 
-/// Edges are drawn with this many samples a pixel: the most that every Vulkan device has.
+/// Samples per pixel: the most that every Vulkan device supports.
 inline constexpr std::uint32_t kSamples = 4;
 
-/// One image and its view. Its layout is followed as commands are recorded, so commands that use it must be
-/// submitted in the order in which they were recorded.
+/// One image and its view. The layout is tracked as commands are recorded, so command buffers that use it
+/// must be submitted in the order in which they were recorded.
 class Image {
  public:
   Image() = default;
@@ -46,8 +46,8 @@ class Image {
   VkImage handle() const { return image_; }
   VkImageView view() const { return view_; }
 
-  /// Records what must stand between the image's last use and one in `layout`: always a barrier, for images
-  /// are used a few times a frame. `keep`: the content is still wanted.
+  /// Records the transition from the image's last use to `layout`: always a barrier, since images are used
+  /// only a few times per frame. `keep`: preserve the content.
   void transition(VkCommandBuffer commands, VkImageLayout layout, bool keep);
 
  private:
@@ -66,11 +66,11 @@ class Image {
   friend void copyToBuffer(Recorder& recorder, Image& image, const RawBuffer& buffer, std::uint64_t offset);
 };
 
-/// Copies an image of one sample to another of the same kind and size.
+/// Copies a single-sample image to another of the same kind and size.
 void copyImage(Recorder& recorder, Image& from, Image& to);
 
-/// Copies an image of one sample to `buffer`, `offset` bytes on: 4 bytes a pixel (red first, or a depth),
-/// row by row from the top, no padding.
+/// Copies a single-sample image to `buffer` at byte `offset`: 4 bytes per pixel (red first, or a depth), row
+/// by row from the top, no padding.
 void copyToBuffer(Recorder& recorder, Image& image, const RawBuffer& buffer, std::uint64_t offset = 0);
 
 }  // namespace airclay

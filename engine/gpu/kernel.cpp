@@ -19,7 +19,7 @@ RawKernel::RawKernel(Gpu& gpu, const char* name, std::span<const std::uint32_t> 
   VkPipelineLayoutCreateInfo layout{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
   layout.pushConstantRangeCount = 1;
   layout.pPushConstantRanges = &range;
-  check(vkCreatePipelineLayout(gpu.device(), &layout, nullptr, &layout_), "make a pipeline layout");
+  check(vkCreatePipelineLayout(gpu.device(), &layout, nullptr, &layout_), "create a pipeline layout");
 
   VkShaderModuleCreateInfo module_info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
   module_info.codeSize = spirv.size_bytes();
@@ -41,7 +41,7 @@ RawKernel::RawKernel(Gpu& gpu, const char* name, std::span<const std::uint32_t> 
   const VkResult result =
       vkCreateComputePipelines(gpu.device(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline_);
   vkDestroyShaderModule(gpu.device(), module, nullptr);
-  check(result, "make a compute pipeline");
+  check(result, "create a compute pipeline");
 }
 
 RawKernel::~RawKernel() {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A compute shader, ready to be dispatched with one struct of arguments.
+// A compute shader that is dispatched with one struct of arguments.
 #pragma once
 
 #include <span>
@@ -15,7 +15,7 @@ namespace airclay {
 class RawKernel {
  public:
   RawKernel() = default;
-  /// `constants` are the specialization constants 0, 1, …; constant 0 is the workgroup's size by convention.
+  /// `constants` are the specialization constants 0, 1, …; constant 0 is the workgroup size by convention.
   RawKernel(Gpu& gpu, const char* name, std::span<const std::uint32_t> spirv,
             std::vector<std::uint32_t> constants, std::uint32_t args_bytes);
   RawKernel(RawKernel&& other) noexcept { swap(other); }

@@ -14,18 +14,18 @@ void submitOnce(Gpu& gpu, const std::function<void(VkCommandBuffer)>& record) {
     }
   } once{gpu.device()};
   const VkFenceCreateInfo fence_info{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
-  check(vkCreateFence(gpu.device(), &fence_info, nullptr, &once.fence), "make a fence");
+  check(vkCreateFence(gpu.device(), &fence_info, nullptr, &once.fence), "create a fence");
   VkCommandPoolCreateInfo pool_info{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
   pool_info.flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT;
   pool_info.queueFamilyIndex = gpu.queueFamily();
-  check(vkCreateCommandPool(gpu.device(), &pool_info, nullptr, &once.pool), "make a command pool");
+  check(vkCreateCommandPool(gpu.device(), &pool_info, nullptr, &once.pool), "create a command pool");
 
   VkCommandBufferAllocateInfo allocate{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
   allocate.commandPool = once.pool;
   allocate.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
   allocate.commandBufferCount = 1;
   VkCommandBuffer commands;
-  check(vkAllocateCommandBuffers(gpu.device(), &allocate, &commands), "make a command buffer");
+  check(vkAllocateCommandBuffers(gpu.device(), &allocate, &commands), "create a command buffer");
   VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
   begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
   check(vkBeginCommandBuffer(commands, &begin), "record commands");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A submission outside the frame's path: set-up, transfers of results, tests.
+// A submission outside the frame loop: set-up, transfers of results, tests.
 #pragma once
 
 #include <functional>

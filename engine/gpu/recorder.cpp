@@ -34,7 +34,8 @@ std::vector<std::pair<int, int>> hazards(const std::vector<RecordedCommand>& com
     return false;
   };
   for (int later = 0; later < static_cast<int>(commands.size()); ++later) {
-    // walk back until a barrier separates; the barrier before `later` itself separates it from all
+    // walk back until a barrier separates the two; the barrier before `later` separates it from all earlier
+    // commands
     for (int earlier = later; earlier > 0 && !commands[static_cast<std::size_t>(earlier)].barrier_before;
          --earlier)
       if (conflict(commands[static_cast<std::size_t>(earlier - 1)],
@@ -48,18 +49,18 @@ Recorder::Recorder(Gpu& gpu) : gpu_(gpu) {
   VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
   pool.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
   pool.queueFamilyIndex = gpu.queueFamily();
-  check(vkCreateCommandPool(gpu.device(), &pool, nullptr, &pool_), "make a command pool");
+  check(vkCreateCommandPool(gpu.device(), &pool, nullptr, &pool_), "create a command pool");
   VkCommandBufferAllocateInfo allocate{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
   allocate.commandPool = pool_;
   allocate.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
   allocate.commandBufferCount = 1;
-  check(vkAllocateCommandBuffers(gpu.device(), &allocate, &command_buffer_), "make a command buffer");
+  check(vkAllocateCommandBuffers(gpu.device(), &allocate, &command_buffer_), "create a command buffer");
   const VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO, nullptr, 0};
-  check(vkCreateFence(gpu.device(), &fence, nullptr, &fence_), "make a fence");
+  check(vkCreateFence(gpu.device(), &fence, nullptr, &fence_), "create a fence");
   VkQueryPoolCreateInfo queries{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
   queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
   queries.queryCount = kMaxStages + 1;
-  check(vkCreateQueryPool(gpu.device(), &queries, nullptr, &queries_), "make timestamps");
+  check(vkCreateQueryPool(gpu.device(), &queries, nullptr, &queries_), "create a timestamp query pool");
 }
 
 Recorder::~Recorder() {
@@ -83,7 +84,7 @@ void Recorder::begin(Timing timing) {
 void Recorder::beginCommands() {
   tracker_.reset();
   bound_ = VK_NULL_HANDLE;
-  // an error may have cut the last recording short, which cannot be begun over
+  // an error may have cut the last recording short; such a buffer cannot begin again without a reset
   check(vkResetCommandBuffer(command_buffer_, 0), "record commands");
   VkCommandBufferBeginInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
   info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
@@ -105,8 +106,8 @@ void Recorder::stage(const std::string& name) {
   if (stages_.size() >= kMaxStages) throw Error("a submission has too many stages", Fault::kDevice);
   vkCmdWriteTimestamp2(command_buffer_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_,
                        static_cast<std::uint32_t>(stages_.size()));
-  // lavapipe, once it has drawn anything, puts timestamps off until something makes it flush; without this a
-  // stage of kernels lasts 0 ms. Elsewhere stages depend on each other anyway.
+  // once it has drawn anything, lavapipe delays timestamps until a flush; without this barrier a stage of
+  // kernels would take 0 ms. On other devices stages depend on each other anyway.
   if (gpu_.isCpu()) barrier();
   stages_.push_back(name);
 }
@@ -126,7 +127,7 @@ void Recorder::barrier() {
 VkCommandBuffer Recorder::commandsFor(const std::string& name, const std::vector<Access>& accesses) {
   bool needed = tracker_.needsBarrier(accesses);
   if (needed) barrier();
-  if (std::exchange(divided_, false)) needed = true;  // it stands already
+  if (std::exchange(divided_, false)) needed = true;  // it is already recorded
   commands_.push_back({name, accesses, needed});
   return command_buffer_;
 }
@@ -137,9 +138,9 @@ std::vector<Access> Recorder::accessesOf(const std::vector<PointerArgument>& poi
   for (const PointerArgument& pointer : pointers) {
     std::uint64_t address;
     std::memcpy(&address, static_cast<const unsigned char*>(args) + pointer.offset, sizeof address);
-    if (address == 0) continue;  // an optional argument that is not given
+    if (address == 0) continue;  // an optional argument that is not set
     const std::uint64_t buffer = gpu_.liveBufferAt(address);
-    if (buffer == 0) throw Error("a kernel was given a pointer into no live buffer", Fault::kDevice);
+    if (buffer == 0) throw Error("a kernel argument points outside all live buffers", Fault::kDevice);
     accesses.push_back({buffer, pointer.reads, pointer.writes});
   }
   return accesses;
@@ -227,7 +228,7 @@ void Recorder::submitAndWait() {
 
 namespace {
 
-/// The time of the stage of that name, 0 if it is new.
+/// The time of the named stage, 0 if it is new.
 double& timeOf(const std::string& name, StageTimes& times) {
   const auto same =
       std::find_if(times.begin(), times.end(), [&](const auto& stage) { return stage.first == name; });

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
-// One submission: kernels in order, the barriers between them, and the time that each stage takes.
+// One submission: kernels in order, the barriers between them, and the time of each stage.
 //
-// Barriers come from declarations. A kernel's pointer arguments say what it reads and writes
-// (shaders/core/io.h); the recorder finds the buffer behind each pointer and puts a barrier before the first
-// dispatch that would race. hazards() is the independent check of that: synchronization validation sees no
-// races through buffer addresses, and lavapipe runs in order, so neither would notice a barrier that is
-// missing.
+// Barriers come from declarations. A kernel's pointer arguments declare what it reads and writes
+// (shaders/core/io.h); the recorder finds the buffer behind each pointer and places a barrier before the
+// first dispatch that would race. hazards() checks this independently: synchronization validation does not
+// see races through buffer addresses, and lavapipe runs in order, so neither would notice a missing barrier.
 #pragma once
 
 #include <map>
@@ -19,24 +18,24 @@
 
 namespace airclay {
 
-/// A use of one buffer by one recorded command.
+/// The use of one buffer by one recorded command.
 struct Access {
   std::uint64_t buffer = 0;  ///< its device address
   bool reads = false, writes = false;
 };
 
-/// A recorded command, for hazards() and for whoever wants to see what a frame consists of.
+/// A recorded command, for hazards() and for inspecting a frame.
 struct RecordedCommand {
   std::string name;
   std::vector<Access> accesses;
   bool barrier_before = false;
 };
 
-/// Derives the barriers: feed it each command's accesses in order.
+/// Derives the barriers from each command's accesses, passed in order.
 class HazardTracker {
  public:
-  /// Whether the command races with one since the last barrier; then that barrier is taken as placed before
-  /// it.
+  /// Whether the command races with one since the last barrier; if so, assumes that the barrier is placed
+  /// before it.
   bool needsBarrier(const std::vector<Access>& accesses);
   void reset();
 
@@ -44,25 +43,25 @@ class HazardTracker {
   std::set<std::uint64_t> read_, written_;  ///< since the last barrier
 };
 
-/// The pairs (earlier, later) of commands that use one buffer, one of them writing, with no barrier after the
-/// earlier and up to the later.
+/// The pairs (earlier, later) of commands that access the same buffer, at least one of them writing, with no
+/// barrier between them.
 std::vector<std::pair<int, int>> hazards(const std::vector<RecordedCommand>& commands);
 
 /// Milliseconds on the device by stage, in order of first appearance.
 using StageTimes = std::vector<std::pair<std::string, double>>;
 void addStages(const StageTimes& stages, StageTimes& total);
-/// Takes the place of what `latest` says of the same stages.
+/// Replaces the times of the same stages in `latest`.
 void renewStages(const StageTimes& stages, StageTimes& latest);
 
 /// Whether a submission's stages are timed.
 enum class Timing {
   kStages,
-  /// Timestamps are dear on lavapipe: once anything was drawn, each is an empty scene of the last image's
-  /// size, 0.06 to 0.1 ms (0.18 of an empty submission's 0.21 ms on two cores).
+  /// Timestamps are expensive on lavapipe: once anything was drawn, each costs an empty scene of the last
+  /// image's size, 0.06 to 0.1 ms (0.18 of an empty submission's 0.21 ms on two cores).
   kNone,
 };
 
-/// Which of many submissions alike to time: one in `every`; 0: all, but on a software device one in eight.
+/// Which of many similar submissions to time: one in `every`; 0: all, but one in eight on a software device.
 class TimingPlan {
  public:
   TimingPlan(const Gpu& gpu, int every) : every_(every > 0 ? every : gpu.isCpu() ? 8 : 1) {}
@@ -79,10 +78,10 @@ class Recorder {
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
-  /// Starts an empty command buffer. \pre nothing recorded is still running
+  /// Starts an empty command buffer. \pre no recorded commands are still running
   void begin(Timing timing = Timing::kStages);
 
-  /// What follows is timed under this name, if anything is; a name may come more than once.
+  /// Times what follows under this name, if timing is on; a name may occur more than once.
   void stage(const std::string& name);
 
   template <class Args>
@@ -90,7 +89,7 @@ class Recorder {
                 std::uint32_t z = 1) {
     dispatchRaw(kernel, &args, sizeof(Args), x, y, z);
   }
-  /// Workgroup counts from three uints on the device.
+  /// Workgroup counts are three uints on the device.
   template <class Args>
   void dispatchIndirect(const Kernel<Args>& kernel, const Args& args, const RawBuffer& groups,
                         std::uint64_t byte_offset) {
@@ -98,27 +97,27 @@ class Recorder {
   }
   /// Sets every word of the buffer.
   void fill(const RawBuffer& buffer, std::uint32_t word);
-  /// Writes a few bytes that are copied now (at most 65,536, a multiple of 4).
+  /// Writes up to 65,536 bytes, a multiple of 4, copied at the time of the call.
   void update(const RawBuffer& buffer, const void* data, std::uint64_t bytes);
   void copy(const RawBuffer& from, const RawBuffer& to, std::uint64_t bytes);
 
-  /// For commands of other makers (the renderer's): declares their accesses, places the barrier, returns the
-  /// command buffer.
+  /// For commands recorded elsewhere (by the renderer): declares their accesses, places the barrier, returns
+  /// the command buffer.
   VkCommandBuffer commandsFor(const std::string& name, const std::vector<Access>& accesses);
-  /// The accesses that these arguments mean by their shader's declarations.
+  /// The accesses of these arguments, by their shader's declarations.
   std::vector<Access> accessesOf(const std::vector<PointerArgument>& pointers, const void* args) const;
 
-  /// Runs what is recorded so far, and waits: other threads' submissions that wait for the queue come in
-  /// between. For work that would hold them up for long.
+  /// Submits what is recorded so far and waits, so that submissions of other threads can run in between. For
+  /// work that would block them for long.
   void divide();
 
-  /// Submits all since begin(), or since divide(), as one submission, and waits.
+  /// Submits everything since begin() or divide() as one submission, and waits.
   void submitAndWait();
-  /// Without waiting for its end; a window's images are waited for and signalled by semaphores.
+  /// Submits without waiting; a window's images are waited for and signalled by semaphores.
   void submit(const VkSemaphoreSubmitInfo* wait_for = nullptr, const VkSemaphoreSubmitInfo* signal = nullptr);
   void wait();
 
-  /// Of the last submission; none when it was not timed.
+  /// Of the last submission; empty if it was not timed.
   const StageTimes& stageMs() const { return stage_ms_; }
   /// The commands since begin().
   const std::vector<RecordedCommand>& commands() const { return commands_; }
@@ -158,8 +157,8 @@ inline std::uint32_t groupsFor(std::size_t count, std::uint32_t size) {
   return static_cast<std::uint32_t>((count + size - 1) / size);
 }
 
-/// The same workgroups in rows of at most 32,768, for counts past the 65,535 that every device takes in x
-/// (shaders/core/invocation.glsl finds the invocation's index).
+/// The same workgroups in rows of at most 32,768, for counts above the 65,535 that every device accepts in x
+/// (shaders/core/invocation.glsl computes the invocation's index).
 struct GroupRows {
   std::uint32_t x = 1, y = 1;
 };

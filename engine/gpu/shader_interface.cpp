@@ -29,7 +29,7 @@ struct Module {
       const std::size_t length = words[at] >> spv::WordCountShift;
       const auto op = static_cast<spv::Op>(words[at] & spv::OpCodeMask);
       if (length == 0 || at + length > words.size())
-        throw Error("a built-in shader is damaged", Fault::kDevice);
+        throw Error("a built-in shader is corrupt", Fault::kDevice);
       read(op, words.subspan(at + 1, length - 1));
       at += length;
     }
@@ -61,7 +61,7 @@ struct Module {
     }
   }
 
-  /// Under scalar layout.
+  /// Size under scalar layout.
   std::uint32_t bytes(std::uint32_t type) const {
     const Type& t = types.at(type);
     switch (t.op) {

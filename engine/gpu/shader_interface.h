@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What a compiled shader says of its arguments: which push constants are device pointers, and what it does
-// through each.
+// The arguments of a compiled shader: which push constants are device pointers, and whether it reads or
+// writes through each.
 #pragma once
 
 #include <cstdint>
@@ -17,13 +17,12 @@ struct PointerArgument {
 };
 
 struct ShaderInterface {
-  std::uint32_t push_constant_bytes = 0;  ///< the end of the last member; 0 without any
+  std::uint32_t push_constant_bytes = 0;  ///< the end of the last member; 0 if there is none
   std::vector<PointerArgument> pointers;
 };
 
-/// Reads the push-constant block of a SPIR-V module, structs within it included. A pointee whose members are
-/// all decorated NonWritable is only read through, NonReadable only written (SPIR-V specification, 3.20
-/// Decoration).
+/// Reads the push-constant block of a SPIR-V module, including nested structs. A pointee whose members are
+/// all decorated NonWritable is only read; NonReadable, only written (SPIR-V specification, 3.20 Decoration).
 ShaderInterface shaderInterface(std::span<const std::uint32_t> spirv);
 
 }  // namespace airclay

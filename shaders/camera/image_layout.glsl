@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// How a camera's image and mask lie in memory. Where all cameras have one size it is specialized, so that nothing is loaded: a load
-// costs as much as thirty operations on lavapipe.
+// How a camera's image and mask are laid out in memory. If all cameras have the same size, the layout is specialized and nothing is loaded:
+// a load costs as much as thirty operations on lavapipe.
 
 #include "shaders/camera/camera_io.h"
 
@@ -12,7 +12,7 @@ struct ImageLayout {
   uint mask_words;     // words before the mask
   uint image_words;  // words before the image
   uint pixels_before;
-  uint first_entry;    // tiles' entries before its own
+  uint first_entry;    // tile entries before this camera's
 };
 
 ImageLayout imageLayoutOf(ReadCameras cameras, uint index) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // OpenCV's lens models (its calib3d manual) on the GPU; the CPU twin is engine/camera/lens.cpp.
 //
-// Which kinds of lens the rig has is a specialization constant of the including shader, kLenses, a bit a kind: software devices run
-// both sides of a branch, so what no camera needs must not be there at all.
+// kLenses, a specialization constant of the including shader, has one bit per lens kind that the rig uses: software devices execute both
+// sides of a branch, so code for unused lens kinds must be compiled out.
 
 #include "shaders/camera/camera_io.h"
 
@@ -10,7 +10,7 @@ bool rigHas(uint lens) { return (kLenses >> lens & 1u) != 0; }
 
 struct Projection {
   vec2 pixel;
-  bool valid;  // before the camera and within the lens model's monotonic range
+  bool valid;  // in front of the camera and within the lens model's monotonic range
 };
 
 Projection projectFisheye(GpuCamera camera, vec3 p) {
@@ -27,7 +27,7 @@ Projection projectFisheye(GpuCamera camera, vec3 p) {
 Projection projectPerspective(GpuCamera camera, vec3 p) {
   vec2 x = p.xy * (1 / p.z);
   bool valid = p.z > 0;
-  if (rigHas(kLensPerspective) || rigHas(kLensRational)) {  // a pinhole's coefficients are zero: the polynomials leave it alone
+  if (rigHas(kLensPerspective) || rigHas(kLensRational)) {  // a pinhole has zero coefficients, so the polynomials are the identity
     const float r2 = dot(x, x);
     float radial = 1 + r2 * (camera.distortion[0] + r2 * (camera.distortion[1] + r2 * camera.distortion[4]));
     if (rigHas(kLensRational))
@@ -41,7 +41,7 @@ Projection projectPerspective(GpuCamera camera, vec3 p) {
   return Projection(camera.focal * x + camera.center, valid);
 }
 
-// Where a point in camera coordinates falls, in pixels, inside the image or not. The pixel is undefined unless valid.
+// Where a point in camera coordinates projects to, in pixels, possibly outside the image. The pixel is undefined unless valid.
 Projection projectThroughLens(GpuCamera camera, vec3 point_in_camera) {
   if (!rigHas(kLensFisheye)) return projectPerspective(camera, point_in_camera);
   if (kLenses == 1u << kLensFisheye || camera.lens == kLensFisheye) return projectFisheye(camera, point_in_camera);

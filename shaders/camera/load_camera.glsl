@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A camera for all of a subgroup. The including shader has the specialization constant kLanes: how many neighbours load it together, at most
-// the subgroup's size.
+// Loads a camera for a whole subgroup. The including shader has the specialization constant kLanes: how many neighbours load it together,
+// at most the subgroup size.
 #extension GL_KHR_shader_subgroup_ballot : require
 
 #include "shaders/camera/camera_io.h"
@@ -9,8 +9,8 @@ READ_POINTER(ReadCameraWords, uint64_t)
 
 const uint kCameraPairs = 19;
 
-// The same camera for all of a subgroup, which is at work as a whole: each loads a few pairs of words, and passes them on. A load costs as much
-// as thirty operations on lavapipe.
+// Loads the same camera for all invocations of a fully active subgroup: each loads a few pairs of words and broadcasts them. A load costs
+// as much as thirty operations on lavapipe.
 GpuCamera loadCamera(ReadCameras cameras, uint index) {
   ReadCameraWords words = ReadCameraWords(uint64_t(cameras) + 8ul * kCameraPairs * index);
   uvec2 loaded[kCameraPairs];

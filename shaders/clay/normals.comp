@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// Normals at the data points: the average of the adjoining quads' normals, weighted by area; zero where these cancel.
+// Normals at the data points: the area-weighted average of the adjacent quads' normals; zero where they cancel.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/clay/subdivide_io.h"
 #include "shaders/core/invocation.glsl"
@@ -21,7 +21,7 @@ void main() {
     // twice the vector area
     sum += cross(c - a, d - b);
   }
-  // scaled before its square is taken: the square of a tiny quad's area would be no float
+  // scale before squaring: the square of a tiny quad's area would underflow
   const float largest = max(abs(sum.x), max(abs(sum.y), abs(sum.z)));
   args.normals.at[point] = largest > 0 ? normalize(sum / largest) : vec3(0);
 }

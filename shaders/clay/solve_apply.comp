@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// (6) in displacements, p += (AᵀA)⁺ (Aᵀ r): one invocation a control point.
+// (6) in displacements, p += (AᵀA)⁺ (Aᵀ r): one invocation per control point.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/clay/solve_io.h"
 #include "shaders/core/invocation.glsl"
@@ -13,7 +13,7 @@ void main() {
   if (point >= count) return;
   dvec3 moved = dvec3(0);
   for (uint j = 0; j < count; ++j) {
-    // symmetric: read down the column, so that neighbouring invocations read neighbouring numbers
+    // symmetric: read down the column, so that neighbouring invocations read adjacent numbers
     const double weight = args.gram_inverse.at[j * count + point];
     moved += weight * dvec3(args.projected.at[3 * j], args.projected.at[3 * j + 1], args.projected.at[3 * j + 2]);
   }

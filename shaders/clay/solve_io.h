@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Eq. (6)-(8) over all rows in device memory: p += (AᵀA)⁺ (Aᵀ r), r the data points' wanted displacements.
+// Eq. (6)-(8) over all rows in device memory: p += (AᵀA)⁺ (Aᵀ r), r the data points' target displacements.
 #ifndef AIRCLAY_SOLVE_IO_H
 #define AIRCLAY_SOLVE_IO_H
 
@@ -14,18 +14,18 @@ READ_WRITE_POINTER(ReadWriteDoubles, double)
 // Workgroup size of solve_apply.
 const uint kSolveWorkgroup = 64;
 
-// solve_project: Aᵀ r, one workgroup a control point. Column j's weights and their data points stand from
-// column_starts[j] up to column_starts[j + 1].
+// solve_project: Aᵀ r, one workgroup per control point. Column j's weights and data points are at
+// column_starts[j] up to, not including, column_starts[j + 1].
 struct SolveProjectArgs {
-  ReadVec3s displacements;  // one a data point, metres
+  ReadVec3s displacements;  // one per data point, metres
   ReadUints column_starts;
   ReadUints rows;
   ReadFloats weights;
   WriteDoubles projected;  // x y z of each control point
 };
 
-// solve_apply: p += (AᵀA)⁺ of that, one invocation a control point. The exact positions are what is kept from
-// frame to frame; the rounded ones are what the surface is evaluated from.
+// solve_apply: p += (AᵀA)⁺ times that, one invocation per control point. The exact positions persist from
+// frame to frame; the surface is evaluated from the rounded ones.
 struct SolveApplyArgs {
   ReadDoubles projected;
   ReadDoubles gram_inverse;  // n x n, symmetric

@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// Aᵀ r in double precision, r the data points' displacements: one workgroup a control point, summed in a fixed order.
+// Aᵀ r in double precision, r the data points' displacements: one workgroup per control point, summed in a fixed order.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/clay/solve_io.h"
 
@@ -15,7 +15,7 @@ void main() {
   dvec3 sum = dvec3(0);
   for (uint k = args.column_starts.at[column] + gl_LocalInvocationID.x; k < end; k += gl_WorkGroupSize.x) {
     const vec3 displacement = args.displacements.at[args.rows.at[k]];
-    // most data points stay where they are
+    // most data points do not move
     if (displacement != vec3(0)) sum += double(args.weights.at[k]) * dvec3(displacement);
   }
   sums[gl_LocalInvocationID.x] = sum;

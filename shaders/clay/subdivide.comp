@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// (5) d = A p: the whole subdivision as one sparse matrix, one invocation a row.
+// (5) d = A p: the whole subdivision as one sparse matrix, one invocation per row.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/clay/subdivide_io.h"
 #include "shaders/core/invocation.glsl"

@@ -10,8 +10,8 @@ AIRCLAY_IO_BEGIN
 // Workgroup size of both kernels.
 const uint kSubdivideWorkgroup = 64;
 
-// subdivide: one invocation a data point. A is stored by rows: row i's weights and their control points stand
-// from row_starts[i] up to row_starts[i + 1].
+// subdivide: one invocation per data point. A is stored by rows: row i's weights and control points are at
+// row_starts[i] up to, not including, row_starts[i + 1].
 struct SubdivideArgs {
   ReadVec3s control_points;
   ReadUints row_starts;
@@ -21,8 +21,8 @@ struct SubdivideArgs {
   uint data_point_count;
 };
 
-// normals: one invocation a data point. The quads that adjoin data point i stand in `quads_at` from
-// quad_starts[i] up to quad_starts[i + 1].
+// normals: one invocation per data point. The quads adjacent to data point i are `quads_at` from
+// quad_starts[i] up to, not including, quad_starts[i + 1].
 struct NormalsArgs {
   ReadVec3s data_points;
   ReadUints quad_starts;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// What every *_io.h starts with: the types that GLSL and C++ both know, and typed device pointers.
+// Included by every *_io.h: the types shared by GLSL and C++, and typed device pointers.
 //
-// A kernel's arguments are one struct of plain values and pointers, pushed as push constants (at most 128
-// bytes, all that lavapipe has). A pointer's type says what the kernel does through it: the GLSL compiler
-// refuses a write through Read…, the SPIR-V carries the declaration, and the recorder derives its barriers
-// from it (engine/gpu/recorder.h).
+// A kernel's arguments are one struct of plain values and pointers, passed as push constants (at most 128
+// bytes, lavapipe's limit). A pointer's type states how the kernel accesses it: the GLSL compiler rejects a
+// write through Read…, the SPIR-V carries the declaration, and the recorder derives its barriers from it
+// (engine/gpu/recorder.h).
 #ifndef AIRCLAY_IO_H
 #define AIRCLAY_IO_H
 
@@ -22,7 +22,7 @@ using vec4 = Eigen::Matrix<float, 4, 1, Eigen::DontAlign>;
 using mat3 = Eigen::Matrix<float, 3, 3, Eigen::DontAlign>;  // column-major, as in GLSL
 using mat4 = Eigen::Matrix<float, 4, 4, Eigen::DontAlign>;
 
-/// The address of `T`s on the device, 0 for none.
+/// The device address of an array of `T`; 0 is null.
 template <class T>
 struct DevicePointer {
   std::uint64_t address = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Plain coloured triangles in clip space, with which the tests try the graphics layer.
+// Plain coloured triangles in clip space, for the tests of the graphics layer.
 #ifndef AIRCLAY_TRIANGLES_IO_H
 #define AIRCLAY_TRIANGLES_IO_H
 
@@ -8,7 +8,7 @@
 AIRCLAY_IO_BEGIN
 
 struct TrianglesArgs {
-  ReadVec3s corners;  // three a triangle; x, y from -1 to 1, y down; z is the depth
+  ReadVec3s corners;  // three per triangle; x, y from -1 to 1, y down; z is the depth
   vec4 color;         // linear light
 };
 

@@ -1,12 +1,13 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// The skeletal model is pushed into the voxel model by forces on its patches: section 2 of the paper, eq. (1) m x'' = F and (2) I θ'' = N.
+// Pushes the skeletal model into the voxel model by forces on its patches: section 2 of the paper, eq. (1) m x'' = F and (2) I θ'' = N.
 //
-// A patch at signed distance s outside feels the force f = -a φ(s) n along its own normal n, inwards; φ(s) = max(0, s + margin): it grows with how far the
-// patch sticks out, and begins a little inside, so that the patches of opposite sides balance. N is taken about the centre of gravity.
-// A step of time h of (1) and (2) is made implicit in the contact's stiffness K = Σ a φ'(s) J Jᵀ, J = (n, r x n):
+// A patch at signed distance s outside feels the force f = -a φ(s) n along its own normal n, inwards, with φ(s) = max(0, s + margin). The
+// force grows with how far the patch sticks out, and starts a little inside, so that patches on opposite sides balance. N is taken about
+// the centre of gravity.
+// A step of time h of (1) and (2) is implicit in the contact stiffness K = Σ a φ'(s) J Jᵀ, J = (n, r x n):
 //     (M / h² + K) Δ = (F, N),   M = diag(m, I),
-// which is a push of the free body for small h and a Newton step for large h. One workgroup a hypothesis.
+// which pushes a free body for small h and is a Newton step for large h. One workgroup per hypothesis.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
@@ -18,19 +19,19 @@ layout(push_constant, scalar) uniform Push { FitArgs args; };
 
 const uint kForce = 0, kMoment = 3, kStiffness = 6;     // 21: lower triangle, row by row
 const uint kOutside = 27, kCount = 28, kSums = 29;
-// M / h² as a share of what K would be with every patch in contact: enough to carry the directions that no patch resists.
+// M / h² as a fraction of K with every patch in contact: enough to carry the directions that no patch resists.
 const float kInertiaShare = 0.01;
-// A step goes no farther: the field is linear about so far.
+// The limits of one step: the distance field is approximately linear this far.
 const float kMaxTurn = 0.25;   // rad
 const float kMaxShift = 0.03;  // m
-// 20 µm, and what turns a fingertip by so much: steps shrink by half, so as much is left, a hundredth of a voxel.
+// 20 µm, and the turn that moves a fingertip by as much: steps shrink by half, so the same is left, a hundredth of a voxel.
 const float kStallShift = 2e-5, kStallTurn = 2e-4;
 
 shared float shared_sums[kSums * 32];  // at most 32 subgroups
 
 READ_POINTER(ReadPatchWords, uint64_t)
 
-// A patch by four loads of two words. The order is GpuPatch's.
+// Loads a patch with four loads of two words, in GpuPatch's order.
 GpuPatch loadPatch(uint index) {
   ReadPatchWords words = ReadPatchWords(uint64_t(args.patches) + 32ul * index);
   const uvec2 a = unpackUint2x32(words.at[0]), b = unpackUint2x32(words.at[1]), c = unpackUint2x32(words.at[2]),
@@ -43,7 +44,8 @@ GpuPatch loadPatch(uint index) {
   return patch_;
 }
 
-// Trilinear interpolation of the signed distance; outside the box of cells: the border's. An entry has two cells, one above the other.
+// Trilinear interpolation of the signed distance; outside the box of cells, the border's value. An entry has two cells, one above the
+// other.
 float distanceAt(vec3 point) {
   const vec3 last = vec3(args.field_size[0], args.field_size[1], args.field_size[2]) - 1.001;
   const vec3 at = clamp((point - args.field_low) / args.cell_m, vec3(0), last);
@@ -62,7 +64,7 @@ float distanceAt(vec3 point) {
 void addPatch(GpuPatch patch_, vec4 rotation, vec3 position, inout float sums[kSums]) {
   const vec3 r = rotate(rotation, patch_.center);
   const vec3 n = rotate(rotation, patch_.normal);
-  // where the forearm continues, the surface is taken to end with the patch: its constant push balances the fingertips'
+  // where the forearm continues, the surface is assumed to end at the patch: its constant push balances the fingertips'
   const float s = patch_.cut != 0 ? 0 : distanceAt(position + r);
   const float push = s + args.margin_m;
   if (patch_.cut == 0 && s > 0) {
@@ -101,7 +103,7 @@ void reduce(inout float sums[kSums]) {
 void solveStep(float sums[kSums], vec4 rotation, out float delta[6]) {
   float a[21];
   for (uint k = 0; k < 21; ++k) a[k] = sums[kStiffness + k];
-  // the inertia turned into the workspace's axes
+  // the inertia rotated into the workspace axes
   const mat3 turn = mat3(rotate(rotation, vec3(1, 0, 0)), rotate(rotation, vec3(0, 1, 0)), rotate(rotation, vec3(0, 0, 1)));
   const vec3 low = args.inertia_low, high = args.inertia_high;
   const mat3 inertia = turn * mat3(low.x, high.x, high.y, high.x, low.y, high.z, high.y, high.z, low.z) * transpose(turn);

@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// The hypothesis whose patches stick out least, the first of equals.
+// Selects the hypothesis whose patches stick out least; the first one on a tie.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/hand/fit_io.h"
 

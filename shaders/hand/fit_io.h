@@ -7,13 +7,13 @@
 
 AIRCLAY_IO_BEGIN
 
-// A triangle patch of the skin, about the model's centre of gravity (the origin of the paper's fig. 3), axes
-// of the hand's frame.
+// A triangle patch of the skin, relative to the model's centre of gravity (the origin in the paper's fig. 3),
+// in the axes of the hand frame.
 struct GpuPatch {
   vec3 center;  // of the triangle, metres
   float area;   // m²
   vec3 normal;  // unit, outwards
-  uint cut;     // 1: not skin, but where the forearm continues
+  uint cut;     // 1: not skin, but the cut where the forearm continues
 };
 
 READ_POINTER(ReadPatches, GpuPatch)
@@ -22,46 +22,46 @@ const uint kFitIncluded = 0;
 const uint kFitStalled = 1;
 const uint kFitOutOfIterations = 2;
 
-// A pose to start from, and what became of it. The centre of gravity's position is in the workspace's frame.
+// A start pose and the fit's result. The centre of gravity's position is in the workspace frame.
 struct GpuFit {
   vec4 rotation;           // unit quaternion x y z w: workspace_from_hand
   vec3 position;           // metres
-  float outside_m;         // how far outside the patches are on average, by area
-  float outside_fraction;  // share of the patches that are outside
+  float outside_m;         // how far outside the patches are on average, weighted by area
+  float outside_fraction;  // fraction of the patches that are outside
   uint outside_count;
   uint iterations;
   uint outcome;
-  uint tracked;  // 1 when it is to be believed
+  uint tracked;  // 1 if the result is reliable
 };
 
 READ_POINTER(ReadFits, GpuFit)
 READ_WRITE_POINTER(ReadWriteFits, GpuFit)
 WRITE_POINTER(WriteFits, GpuFit)
 
-// fit: one workgroup a hypothesis, all iterations.
+// fit: one workgroup per hypothesis, all iterations.
 struct FitArgs {
   ReadPatches patches;
-  ReadUlongs distances;  // as distance_io.h says
+  ReadUlongs distances;  // see distance_io.h
   ReadWriteFits fits;
   vec3 field_low;  // the first cell's centre, metres
   float cell_m;
-  vec3 inertia_low;  // of the inertia about the centre of gravity over the mass, hand's frame: xx yy zz (m²)
-  float patch_area;  // all patches
+  vec3 inertia_low;   // of the inertia about the centre of gravity over the mass, hand frame: xx yy zz (m²)
+  float patch_area;   // of all patches
   vec3 inertia_high;  // xy xz yz
-  float margin_m;     // a patch begins to be pushed this far inside the surface
+  float margin_m;     // a patch is pushed from this far inside the surface
   uint field_size[3];
   uint patch_count;
   uint max_iterations;
 };
 
-// fit_choose: the best of the hypotheses becomes the frame's result, and whether it is to be believed.
+// fit_choose: the best hypothesis becomes the frame's result, with a flag whether it is reliable.
 struct FitChooseArgs {
   ReadFits fits;
   ReadHullSums hull;
   WriteFits result;
   uint count;
-  uint min_occupied;     // voxels: less is nobody's hand
-  float lost_outside_m;  // patches farther outside than this on average: the model is not there
+  uint min_occupied;     // voxels: fewer cannot be a hand
+  float lost_outside_m;  // if the patches are farther outside than this on average, the fit has failed
 };
 
 AIRCLAY_IO_END

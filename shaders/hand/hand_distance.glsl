@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The hand's distance function. The including shader's arguments have it as `args.hand`.
+// The hand's distance function. The including shader's arguments must have a member `hand`.
 
-// Signed distance to the hand by trilinear interpolation; outside the grid the border's and the way to it.
+// Signed distance to the hand by trilinear interpolation; outside the grid, the border's value plus the distance to the border.
 float distanceAt(vec3 point) {
   const uvec3 size = uvec3(args.hand.size_x, args.hand.size_y, args.hand.size_z);
   const vec3 wanted = (point - args.hand.low_corner) / args.hand.cell_m;

@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// Coarse to fine: one invocation classes a run of blocks as empty, full or mixed, by what every camera says of where they project to.
+// Coarse to fine: one invocation classifies a run of blocks as empty, full or mixed, from every camera's verdict on their footprints.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/camera/camera_io.h"
 layout(constant_id = 3) const uint kLenses = 15;
@@ -13,18 +13,18 @@ layout(constant_id = 4) const uint kLanes = 1;
 
 layout(local_size_x_id = 0) in;
 layout(constant_id = 1) const uint kSize = 8;  // voxels along a block's edge: 32, 8 or 4
-layout(constant_id = 2) const uint kRun = 4;   // blocks an invocation, along x
+layout(constant_id = 2) const uint kRun = 4;   // blocks per invocation, along x
 layout(push_constant, scalar) uniform Push { CarveBlockArgs args; };
 
 const uint kLongestRun = 4;
 
-// What a camera says of a block's voxels.
+// A camera's verdict on a block's voxels.
 const uint kNothing = 0;  // it sees none
 const uint kOutside = 1;  // it sees all, none in the silhouette
 const uint kInside = 2;   // all in the silhouette
 const uint kUndecided = 3;
 
-// The tiles that it looks at.
+// The tile size that it reads.
 const bool kLarge = kSize == kTopVoxels;
 const uint kTile = kLarge ? kLargeTilePixels : kTilePixels;
 const uint kTiles = kEntryPixels / kTile;
@@ -66,7 +66,7 @@ void writeUniform(uvec3 block, bool full) {
   }
 }
 
-// Goes on the list that the next kernel treats. Its order varies from run to run; what is written for each block does not.
+// Appends to the list that the next kernel processes. Its order varies from run to run; what is written for each block does not.
 void append(uvec3 corner, uint undecided, uint seen) {
   if (kSize == kBrickVoxels) {
     const uint bricks_edge = (args.voxels + kBrickVoxels - 1) / kBrickVoxels;
@@ -83,7 +83,7 @@ void main() {
   const uint parent_index = gl_GlobalInvocationID.x / runs;
   const uint run = gl_GlobalInvocationID.x % runs;
   const bool top = kSize == kTopVoxels;
-  const bool idle = parent_index >= (top ? 1 : args.parent_count.at[0].count);  // but it helps to load cameras
+  const bool idle = parent_index >= (top ? 1 : args.parent_count.at[0].count);  // idle invocations still help to load cameras
 
   MixedBlock block = MixedBlock(0, 0, 0);
   uvec3 parent_corner = uvec3(0);
@@ -128,12 +128,12 @@ void main() {
   for (uint i = 0; i < kRun; ++i) {
     const uvec3 mine = corner + uvec3(i, 0, 0);
     const uvec3 low_voxel = mine * kSize;
-    if (any(greaterThanEqual(low_voxel, uvec3(args.voxels)))) {  // behind the cube's high side
+    if (any(greaterThanEqual(low_voxel, uvec3(args.voxels)))) {  // past the cube's high side
       const uint bricks_edge = (args.voxels + kBrickVoxels - 1) / kBrickVoxels;
       if (all(lessThan(low_voxel / kBrickVoxels, uvec3(bricks_edge)))) writeUniform(mine, false);
       continue;
     }
-    // whatever the undecided ones find, fewer than two cameras will see it
+    // whatever the undecided cameras find, fewer than two will see it
     const bool none = empty[i] || seen[i] + bitCount(undecided[i]) < 2;
     const bool cut = any(greaterThan(low_voxel + kSize, uvec3(args.voxels)));
     const bool full = !none && !cut && undecided[i] == 0;

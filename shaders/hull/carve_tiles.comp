@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// Any and all over tiles of the masks: one invocation a band of 128 x 16 pixels.
+// Any and all over tiles of the masks: one invocation per band of 128 x 16 pixels.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/hull/carve_io.h"
 #include "shaders/camera/image_layout.glsl"
@@ -8,7 +8,7 @@
 layout(local_size_x_id = 0) in;
 layout(push_constant, scalar) uniform Push { CarveTileArgs args; };
 
-// A bit for each four: whether all are set.
+// One bit per group of four: whether all four are set.
 uint fours(uint64_t bits) {
   bits &= bits >> 1;
   bits = bits & bits >> 2 & 0x1111111111111111ul;
@@ -43,7 +43,7 @@ void main() {
           any_bits |= word;
           all_bits &= word;
         }
-        // pixels behind the right edge do not exist: they keep no tile from being all set
+        // pixels past the right edge do not exist: they do not keep a tile from being all set
         const uint pixels = 64 * pair < camera.width ? camera.width - 64 * pair : 0;
         if (pixels < 64) all_bits |= ~0ul << pixels;
       }
@@ -54,7 +54,7 @@ void main() {
     any_band |= any_tiles;
     all_band &= all_tiles;
   }
-  // four tiles of four rows are a large one
+  // four tiles of four rows make a large tile
   const uvec2 large = uvec2(~fours(~uint64_t(any_band)), fours(all_band)) & 0xFFu;
   args.tiles.at[first_entry + (kBandRows - 1) * entries] = packUint2x32(large);
 }

@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// The finest step: one invocation asks the undecided cameras about each of the 64 voxels of a mixed 4³ block.
+// The finest step: one invocation tests each of the 64 voxels of a mixed 4³ block against the undecided cameras.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/camera/camera_io.h"
 layout(constant_id = 1) const uint kLenses = 15;
@@ -16,10 +16,10 @@ layout(push_constant, scalar) uniform Push { CarveVoxelArgs args; };
 
 READ_POINTER(ReadPairs, uint64_t)
 
-// What the cameras so far say, a bit a voxel.
-uint alive[2];  // in every silhouette whose camera sees it
-uint once[2];   // seen by one camera at least
-uint twice[2];  // by two
+// The verdicts of the cameras so far, one bit per voxel.
+uint alive[2];  // inside every silhouette whose camera sees it
+uint once[2];   // seen by at least one camera
+uint twice[2];  // by at least two
 
 void addView(uint half_index, uint sees, uint sets) {
   alive[half_index] &= sets | ~sees;
@@ -29,21 +29,22 @@ void addView(uint half_index, uint sees, uint sets) {
 
 vec3 voxelAt(uint half_index, uint bit) { return vec3(bit & 3u, bit >> 2 & 3u, (bit >> 4) + 2 * half_index); }
 
-// The part of a mask that a block's footprint covers, a word a row: loaded once, for lavapipe looks into an invocation's own array five times
-// faster than into a buffer.
+// The part of a mask that a block's footprint covers, one word per row, loaded once: lavapipe reads an invocation's own array five times
+// faster than a buffer.
 const uint kWindowPixels = 32;  // along an edge
 uint window[kWindowPixels];
 
 void loadWindow(GpuCamera camera, uvec2 low, uint rows) {
-  const uint first = min(low.x / 32, camera.row_words - 2);  // of the two words that hold a row's part
+  const uint first = min(low.x / 32, camera.row_words - 2);  // of the two words that contain a row's part
   for (uint row = 0; row < rows; ++row) {
     const uint word = camera.mask_words + (low.y + row) * camera.row_words + first;
     window[row] = uint(ReadPairs(uint64_t(args.masks) + 4ul * word).at[0] >> (low.x - 32 * first));
   }
 }
 
-// A camera that sees the whole block. `origin` is the lowest voxel's centre, in camera coordinates; `step` leads to the next along each axis.
-void askThroughWindow(GpuCamera camera, Footprint footprint, vec3 origin, mat3 step) {
+// Tests a camera that sees the whole block. `origin` is the lowest voxel's centre, in camera coordinates; `step` leads to the next along
+// each axis.
+void testThroughWindow(GpuCamera camera, Footprint footprint, vec3 origin, mat3 step) {
   const uvec2 low = pixelAt(footprint.low);
   loadWindow(camera, low, pixelAt(footprint.high).y - low.y + 1);
   for (uint half_index = 0; half_index < 2; ++half_index) {
@@ -60,8 +61,8 @@ void askThroughWindow(GpuCamera camera, Footprint footprint, vec3 origin, mat3 s
   }
 }
 
-// Any camera.
-void ask(GpuCamera camera, vec3 origin, mat3 step) {
+// Tests any camera.
+void test(GpuCamera camera, vec3 origin, mat3 step) {
   const vec2 size = vec2(camera.width, camera.height);
   for (uint half_index = 0; half_index < 2; ++half_index) {
     uint sees = 0, sets = 0;
@@ -80,7 +81,7 @@ void ask(GpuCamera camera, vec3 origin, mat3 step) {
 }
 
 void main() {
-  const bool idle = gl_GlobalInvocationID.x >= args.block_count.at[0].count;  // but it helps to load cameras
+  const bool idle = gl_GlobalInvocationID.x >= args.block_count.at[0].count;  // idle invocations still help to load cameras
   MixedBlock block = MixedBlock(0, 0, 0);
   if (!idle) block = args.blocks.at[gl_GlobalInvocationID.x];
   const uvec3 low_voxel =
@@ -101,13 +102,13 @@ void main() {
       const mat3 step = camera.rotation * args.voxel_m;
       const Footprint footprint = footprintOf(camera, origin + camera.rotation * vec3(half_size), half_size);
       const uvec2 extent = pixelAt(footprint.high) - pixelAt(footprint.low);
-      if (footprint.seen == kWholeSeen && all(lessThan(extent, uvec2(kWindowPixels)))) askThroughWindow(camera, footprint, origin, step);
-      else ask(camera, origin, step);
+      if (footprint.seen == kWholeSeen && all(lessThan(extent, uvec2(kWindowPixels)))) testThroughWindow(camera, footprint, origin, step);
+      else test(camera, origin, step);
     }
   }
   if (idle) return;
 
-  // voxels behind the cube's high side, where N is no multiple of 4
+  // voxels past the cube's high side, if N is not a multiple of 4
   uint inside[2] = {~0u, ~0u};
   if (any(greaterThan(low_voxel + kBlockVoxels, uvec3(args.voxels))))
     for (uint bit = 0; bit < 64; ++bit) {

@@ -1,7 +1,7 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// The squared distances of one more dimension, min over the line of (what its cells know) + (distance along it)², for eight cells of a word at
-// once and kFieldRun words of a line an invocation: byte arithmetic inside 64 bits, values below 128.
+// Squared distances in one more dimension: the minimum over the line of (each cell's value) + (distance along the line)², for the eight
+// cells of a word at once and kFieldRun words of a line per invocation: byte arithmetic inside 64 bits, values below 128.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #include "shaders/hull/distance_io.h"
@@ -11,17 +11,17 @@ layout(constant_id = 1) const uint kLast = 0;  // 1: the pass along z, which wri
 layout(push_constant, scalar) uniform Push { DistanceLineArgs args; };
 
 const uint64_t kOnes = 0x0101010101010101ul;
-const uint kOutputs = kFieldRun + kLast;  // the last pass needs the neighbour above its run, too
+const uint kOutputs = kFieldRun + kLast;  // the last pass also needs the upper neighbour of its run
 const uint kMostInputs = kFieldRun + 1 + 2 * kFieldReach;
 
-// The lesser of each byte. All bytes are below 128: a's, with its high bit set, is never less than b's.
+// The byte-wise minimum. All bytes are below 128: a's byte with its high bit set is never less than b's.
 uint64_t lesser(uint64_t a, uint64_t b) {
   const uint64_t greater = ((a | kOnes << 7) - b) >> 7 & kOnes;  // 1 where a >= b
   const uint64_t mask = (greater << 8) - greater;
   return (b & mask) | (a & ~mask);
 }
 
-// The run's squares, from plane `plane` with distances up to `reach`; beyond the line's ends nothing is near.
+// The run's squared distances, from plane `plane` with distances up to `reach`; there is nothing beyond the line's ends.
 void minimize(uint plane, uint first, int along, int reach, out uint64_t outputs[kFieldRun + 1]) {
   const uint64_t far = kOnes * uint64_t(reach * reach);
   uint64_t inputs[kMostInputs];
@@ -39,14 +39,14 @@ void minimize(uint plane, uint first, int along, int reach, out uint64_t outputs
   }
 }
 
-// The surface lies half a cell before the nearest cell of the other kind.
+// The surface is half a cell before the nearest cell of the other kind.
 float signedDistance(uint64_t full, uint64_t empty, uint cell) {
   const float outside = sqrt(float(uint(full >> (8 * cell)) & 127u)), inside = sqrt(float(uint(empty >> (8 * cell)) & 127u));
   return args.cell_m * (outside > 0 ? outside - 0.5 : 0.5 - inside);
 }
 
 void main() {
-  // runs of neighbouring groups are neighbouring invocations
+  // adjacent groups map to adjacent invocations
   const uint runs = args.line_cells / kFieldRun;
   const uint line = gl_GlobalInvocationID.x % args.step + gl_GlobalInvocationID.x / (args.step * runs) * args.step * args.line_cells;
   const uint along = gl_GlobalInvocationID.x / args.step % runs * kFieldRun;

@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// Squared distance along x from every cell to the nearest occupied and to the nearest empty one: one invocation a row, all cells at once
+// Squared distance along x from every cell to the nearest occupied and to the nearest empty one: one invocation per row, all cells at once
 // by dilating the row's bits.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -11,7 +11,7 @@ layout(local_size_x_id = 0) in;
 layout(constant_id = 1) const uint kUnitStride = 1;  // cells are voxels: whole blocks of a row are read at once
 layout(push_constant, scalar) uniform Push { DistanceRowArgs args; };
 
-// Eight bits become the low bits of eight bytes.
+// Moves eight bits to the low bits of eight bytes.
 uint64_t spread(uint64_t bits) {
   uint64_t x = bits & 0xFFul;
   x = (x | x << 28) & 0x0000000F0000000Ful;
@@ -51,7 +51,7 @@ uint64_t rowOfCells(ivec3 low) {
   return row;
 }
 
-// d² into the bytes of the cells at distance d from a set bit, d = 0 … reach; reach² farther away.
+// Writes d² into the bytes of the cells at distance d from a set bit, d = 0 … reach; reach² farther away.
 void writeSquares(uint64_t bits, int reach_cells, uint at) {
   const uint reach = uint(reach_cells);
   uint64_t rings[kFieldReach + 1];  // cells at exactly this distance

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
-// Where a block of voxels falls in a camera's image. The including shader includes lens.glsl.
+// A block of voxels projected into a camera's image. The including shader includes lens.glsl.
 
-const uint kUnseen = 0;      // the camera sees no voxel of it
+const uint kUnseen = 0;      // the camera sees none of its voxels
 const uint kPartlySeen = 1;  // it may see some
 const uint kWholeSeen = 2;   // it sees every voxel
 
 struct Footprint {
   uint seen;
-  vec2 low, high;  // pixels between which the voxels' centres fall, where they are seen as a whole
+  vec2 low, high;  // pixel bounds of the voxels' centres, if the whole block is seen
 };
 
-// `center` in camera coordinates; the block's voxel centres lie within `half_size` of it along each axis of the workspace (metres).
+// `center` is in camera coordinates; the block's voxel centres are within `half_size` of it along each workspace axis (metres).
 Footprint footprintOf(GpuCamera camera, vec3 center, float half_size) {
   Footprint footprint = Footprint(kPartlySeen, vec2(0), vec2(0));
   const mat3 axes = camera.rotation;  // of the workspace, in camera coordinates
@@ -18,7 +18,7 @@ Footprint footprintOf(GpuCamera camera, vec3 center, float half_size) {
   if (center.z <= -depth) footprint.seen = kUnseen;
   if (center.z <= depth) return footprint;
 
-  // How far from the centre's direction the others lie, as a change of the undistorted position, and with it of the pixel.
+  // Bound on the distance between the centre's direction and the others, as a change of the undistorted position, and of the pixel.
   float position, deviation;
   vec2 reach;
   if (rigHas(kLensFisheye) && camera.lens == kLensFisheye) {
@@ -38,7 +38,7 @@ Footprint footprintOf(GpuCamera camera, vec3 center, float half_size) {
   if (position + deviation > min(camera.limit, 1.1 * camera.visible)) return footprint;
 
   const vec2 pixel = projectThroughLens(camera, center).pixel;
-  reach += 0.01;  // float's rounding, generously
+  reach += 0.01;  // margin for float rounding
   footprint.low = pixel - reach;
   footprint.high = pixel + reach;
   const vec2 size = vec2(camera.width, camera.height);
@@ -47,5 +47,5 @@ Footprint footprintOf(GpuCamera camera, vec3 center, float half_size) {
   return footprint;
 }
 
-// The pixel whose field a position lies in, of positions in the image.
+// The pixel that contains a position inside the image.
 uvec2 pixelAt(vec2 position) { return uvec2(position + 0.5); }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Reading the brick-wise voxel model.
+// Reads the brick-wise voxel model.
 
 #include "shaders/hull/carve_io.h"
 
@@ -7,7 +7,7 @@ uint brickIndex(uvec3 brick, uint bricks_edge) {
   return brick.x + bricks_edge * (brick.y + bricks_edge * brick.z);
 }
 
-// The first of the two words of the 4³ block that holds `voxel`.
+// The first of the two words of the 4³ block that contains `voxel`.
 uint blockWord(uvec3 voxel, uint bricks_edge) {
   const uvec3 block = (voxel / kBlockVoxels) & 1u;
   return brickIndex(voxel / kBrickVoxels, bricks_edge) * kBrickWords + 2 * (block.x + 2 * block.y + 4 * block.z);

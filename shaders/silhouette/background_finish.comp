@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// Mean and spread of every pixel of the empty workspace, from the sums over its frames: one invocation a pixel.
+// Mean and spread of every pixel of the empty workspace, from the sums over its frames: one invocation per pixel.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/camera/image_layout.glsl"
 #include "shaders/silhouette/silhouette_io.h"

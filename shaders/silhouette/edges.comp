@@ -1,6 +1,7 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// Where the object ends: a pixel between background and a score more than twice its own is the smear of an edge. 64 pixels an invocation.
+// Finds where the object ends: a pixel between background and a score more than twice its own is the smear of an edge. 64 pixels per
+// invocation.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/camera/image_layout.glsl"
 #include "shaders/silhouette/silhouette_io.h"
@@ -10,7 +11,7 @@ layout(push_constant, scalar) uniform Push { EdgeArgs args; };
 
 const uint kBackground = 0, kFour = 1, kEight = 2;  // kinds of neighbour: a score below 1, of 4 or more, of 8 or more
 
-// A word of pixels of that kind; none outside the image.
+// A word of the pixels of that kind; 0 outside the image.
 uint64_t pixelsOf(ImageLayout camera, uint kind, uint row_start, uint pair) {
   const uint row_pairs = camera.row_words / 2;
   if (pair >= row_pairs) return 0ul;
@@ -42,12 +43,13 @@ void main() {
   if (y >= camera.height) return;
   const uint own = camera.mask_words / 2 + gl_GlobalInvocationID.x;
   const uint64_t one = args.levels.at[kScoreLevels * own];
-  if (one == 0ul || !isNearObject(camera, y, pair)) {  // most of an image: nothing, or the noise of its background
+  if (one == 0ul || !isNearObject(camera, y, pair)) {  // most of an image: empty, or background noise
     args.masks.at[own] = one;
     return;
   }
 
-  // which pixels have a neighbour of each kind within reach, by direction: 0 1 2 above, 3 and 5 beside, 6 7 8 below; 8 - d is opposite d
+  // which pixels have a neighbour of each kind within reach, by direction: 0 1 2 above, 3 and 5 left and right, 6 7 8 below; 8 - d is
+  // opposite d
   uint64_t near[3][9];
   for (uint kind = 0; kind < 3; ++kind)
     for (uint d = 0; d < 9; ++d) near[kind][d] = 0ul;
@@ -67,7 +69,7 @@ void main() {
       }
     }
   }
-  // [1, 2) beside 4 or more, and [2, 4) beside 8 or more, are less than half
+  // a score in [1, 2) next to 4 or more, or in [2, 4) next to 8 or more, is less than half
   const uint64_t two = args.levels.at[kScoreLevels * own + 1], four = args.levels.at[kScoreLevels * own + 2];
   uint64_t smear = 0ul;
   for (uint d = 0; d < 9; ++d) smear |= near[kBackground][8 - d] & ((~two & near[kFour][d]) | (~four & near[kEight][d]));

@@ -1,7 +1,7 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// Removes speckle and smooths edges by the 3 x 3 majority, 64 pixels at once: the nine bits of a neighbourhood are added by carry-save
-// adders. Outside the image counts as background.
+// Removes speckle and smooths edges by the 3 x 3 majority, 64 pixels at once: carry-save adders sum the nine bits of a neighbourhood.
+// Outside the image counts as background.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/camera/image_layout.glsl"
 #include "shaders/silhouette/silhouette_io.h"
@@ -27,7 +27,7 @@ void main() {
     const uint row = y + k - 1;  // wraps below 0: not less than the height
     here[k] = row < camera.height ? args.masks.at[own + (k - 1) * row_pairs] : 0ul;
   }
-  // where all three are empty, a neighbour's column is three pixels at most
+  // if all three are empty, a neighbouring column contributes three pixels at most
   if ((here[0] | here[1] | here[2]) == 0ul) {
     args.cleaned.at[own] = 0ul;
     return;
@@ -45,7 +45,7 @@ void main() {
   // sum = ones.ones + 2 (ones.twos + twos.ones) + 4 twos.twos; at least 5
   const uint64_t two = ones.twos ^ twos.ones, carry = ones.twos & twos.ones;
   const uint64_t four = carry ^ twos.twos, eight = carry & twos.twos;
-  // a set pixel behind the right edge would be none of the image's
+  // a set pixel past the right edge would not belong to the image
   const uint pixels = camera.width - 64 * pair;
   args.cleaned.at[own] = (eight | (four & (two | ones.ones))) & (pixels < 64 ? (1ul << pixels) - 1ul : ~0ul);
 }

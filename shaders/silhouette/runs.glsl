@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Union-find over runs of pixels: labels only ever fall, so parts can be joined by many invocations at once
-// (Playne and Hawick 2018, "A new algorithm for parallel connected-component labelling on GPUs": here on runs).
+// Union-find over runs of pixels: labels only ever decrease, so many invocations can join parts at once (Playne and Hawick 2018, "A new
+// algorithm for parallel connected-component labelling on GPUs", applied to runs).
 
 #include "shaders/camera/image_layout.glsl"
 #include "shaders/silhouette/silhouette_io.h"

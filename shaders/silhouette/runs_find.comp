@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// The runs of set (holes: of unset) pixels in a row: one invocation a row.
+// Finds the runs of set pixels (with holes: of unset pixels) in a row: one invocation per row.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/silhouette/runs.glsl"
 

@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// Joins the runs of a row with those that they touch in the row above: one invocation a row.
+// Joins the runs of a row with those that they touch in the row above: one invocation per row.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/silhouette/runs.glsl"
 
@@ -11,7 +11,7 @@ void join(uint a, uint b) {
     if (a == b) return;
     const uint low = min(a, b), high = max(a, b);
     const uint before = atomicMin(args.labels.at[high], low);
-    if (before == high) return;  // it was still a root, and hangs on `low` now
+    if (before == high) return;  // it was still a root, and now points to `low`
     a = before;
     b = low;
   }

@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// The largest part of each camera, the first of equals: one workgroup a camera.
+// The largest part of each camera, the first one on a tie: one workgroup per camera.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/silhouette/runs.glsl"
 

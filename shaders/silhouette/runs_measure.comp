@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// The area of each connected part, at its root, and whether it touches the image's border: one invocation a row.
+// The area of each connected part, stored at its root, and whether it touches the image's border: one invocation per row.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/silhouette/runs.glsl"
 

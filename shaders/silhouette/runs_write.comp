@@ -1,10 +1,10 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// The mask that is left: the largest part alone, or the mask with its small holes closed. One invocation a row.
+// Writes the cleaned mask: the largest part alone, or the mask with its small holes closed. One invocation per row.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/silhouette/runs.glsl"
 
-uint64_t bitsFrom(uint first, uint last, uint pair) {  // of the run first … last, those in this pair of words
+uint64_t bitsFrom(uint first, uint last, uint pair) {  // the bits of the run first … last that are in this pair of words
   const uint low = max(first, 64 * pair) - 64 * pair;
   const uint high = min(last, 64 * pair + 63) - 64 * pair;
   return (~0ul << low) & (~0ul >> (63 - high));

@@ -1,7 +1,7 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// How far 64 pixels differ from the background, an invocation. A pixel I is compared with the background's mean E as a brightness α E, which a
-// shadow or a change of light scales, and a rest of other colour (the decomposition of Horprasert, Harwood and Davis 1999).
+// How far 64 pixels differ from the background, per invocation. A pixel I is split into a brightness α E of the background's mean E, which
+// a shadow or a change of light scales, and a residual of different colour (the decomposition of Horprasert, Harwood and Davis 1999).
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/camera/image_layout.glsl"
 #include "shaders/silhouette/silhouette_io.h"
@@ -19,7 +19,7 @@ void addPixel(uint pixel, uint model, uint bit) {
   const float tolerance = (kColourSpreads * kSpreadStep) * float(model >> 24);
   const float square = max(dot(expected, expected), 1.0), along = dot(seen, expected);  // α = along / square
   const float root = inversesqrt(square);
-  // |I - α E|², and |α - 1| over what it may be; the brightness of a dark background is mostly noise: its spread widens both limits
+  // |I - α E|², and |α - 1| over its limit; the brightness of a dark background is mostly noise: its spread widens both limits
   const float rest = dot(seen, seen) - along * along * root * root;
   const float change = abs(along - square);
   const float allowed = (along > square ? kBrightest - 1 : 1 - kDarkest) * square + tolerance * square * root;
@@ -27,7 +27,7 @@ void addPixel(uint pixel, uint model, uint bit) {
   for (uint level = 0; level < kScoreLevels; ++level) words[level] |= score >= float(1u << 2 * level) ? 1ul << bit : 0ul;
 }
 
-// The general case: four pixels are three words, or parts of four.
+// The general case: four pixels span three words, or parts of four.
 void addPixels(ImageLayout camera, uint first, uint count) {
   for (uint i = 0; i < count; i += 4) {
     const uint byte = 3 * (first + i), shift = 8 * (byte & 3u);
