@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 // A seamless backdrop, darker towards the image's corners.
 
-// Of one pixel, from 0 to 1: breaks up the steps of 8 bits.
+// Noise for one pixel, from 0 to 1: hides 8-bit banding.
 float grain(uvec2 pixel) {
   uint h = pixel.x * 0x9E3779B1u ^ pixel.y * 0x85EBCA77u;
   h = (h ^ h >> 15) * 0x2C1B3C6Du;
   return float((h ^ h >> 14) >> 8) / 16777216.0;
 }
 
-// `shade` is what a shadow leaves of it. Linear light.
+// `shade` is the light that remains in shadow. Linear light.
 vec3 backdrop(vec2 pixel, vec2 viewport, vec3 top, vec3 bottom, vec3 shade) {
   const vec2 at = pixel / viewport;
   const vec2 from_middle = (at - vec2(0.45, 0.42)) * vec2(min(viewport.x / viewport.y, 1.6), 1);

@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// Links, joints and arrows: smooth, evenly lit.
+// Links, joints and arrows: smooth and evenly lit.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/render/render_studio.glsl"
 #include "shaders/render/renderer_io.h"

@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// A capsule's corner: half a ball at either end, joined.
+// A vertex of a capsule: half a sphere at either end, joined.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/render/renderer_io.h"
 
@@ -27,7 +27,7 @@ void main() {
   const float longitude = 6.2831853 * side / kCapsuleSides;
   normal = cos(latitude) * (cos(longitude) * u + sin(longitude) * v) + sin(latitude) * axis;
   const vec3 place = at_a ? capsule.a + capsule.radius_a * normal : capsule.b + capsule.radius_b * normal;
-  // a cone's side leans
+  // the side of a cone is inclined
   const float lean = capsule.radius_a - capsule.radius_b;
   if (length(link) > abs(lean)) normal = normalize(normal + cos(latitude) * (lean / length(link)) * axis);
   albedo = capsule.albedo;

@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// Clay: matt, a little waxy, lit from both sides where the surface is open; warm where the hand touches it.
+// Clay: matt, a little waxy, lit from both sides where the surface is open; warm in colour where the hand touches it.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/render/render_studio.glsl"
 #include "shaders/render/renderer_io.h"
@@ -14,7 +14,7 @@ layout(location = 0) out vec4 color;
 
 const vec3 kTouchColor = vec3(0.80, 0.19, 0.045);
 const float kTouchShare = 0.75;
-const float kTouchM = 0.001, kNoTouchM = 0.004;  // less than the pose is off by; more and a near finger would seem to touch
+const float kTouchM = 0.001, kNoTouchM = 0.004;  // smaller values are below the pose error; with larger ones a nearby finger would seem to touch
 
 void main() {
   const float side = gl_FrontFacing ? 1 : -1;

@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// A triangle's area, shared out over points spread on it, goes to the cells in which they lie.
+// Distributes a triangle's area over sample points on it, and adds it to the cells that contain them.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/render/renderer_io.h"
 
@@ -21,8 +21,8 @@ void main() {
   const float area = 0.5 * length(cross(b - a, c - a));  // in faces of the finest cells
   const float longest = max(length(b - a), max(length(c - a), length(c - b)));
   const uint steps = clamp(uint(ceil(2 * longest)), 1, kMostSteps);
-  // steps² small triangles of one size, each with its centroid: upright ones and the ones between them
-  // a face or two in every cell is all that counts; more would only overflow
+  // steps² equal small triangles, each with its centroid: upright ones and the ones between them; more than a face or two per cell does not
+  // matter and would overflow
   const uint share = uint(min(args.weight * area / (steps * steps), 64.0) * kDensityUnit);
   for (uint i = 0; i < steps; ++i)
     for (uint j = 0; j < 2 * (steps - i) - 1; ++j) {

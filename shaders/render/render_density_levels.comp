@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// From areas in the finest cells to the pyramid of densities: four times the face, eight children.
+// Builds the pyramid of densities from the areas in the finest cells: a parent has four times the face area and eight children.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/render/renderer_io.h"
 

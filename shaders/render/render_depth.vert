@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// A mesh's depth alone, as the eye or the key light sees it.
+// A mesh's depth only, as seen by the eye or the key light.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/render/renderer_io.h"
 

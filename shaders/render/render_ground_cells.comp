@@ -1,14 +1,14 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// The triangles of the ground's cells on which a shadow lies; of the others, none that can be seen: there the backdrop, which
-// the ground repeats, is the image already.
+// The triangles of the ground cells that are in shadow. Other cells get degenerate triangles: there the image already shows the backdrop,
+// which the ground repeats.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/render/renderer_io.h"
 
 layout(local_size_x_id = 0) in;
 layout(push_constant, scalar) uniform Push { RenderGroundArgs args; };
 
-const float kFull = 0.998;  // more light than that: the shade is less than a step of 8 bits
+const float kFull = 0.998;  // with more light than this the shade is below one 8-bit step
 
 bool shaded(uint vertex) { return min(args.lights.at[vertex].key, args.lights.at[vertex].open_front) < kFull; }
 

@@ -1,35 +1,35 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// The light that arrives at each vertex. The key light's shadow is soft by the distance of what casts it (Fernando 2005,
-// "Percentage-Closer Soft Shadows"); openness to the light all around is found by a wide cone along the normal through a
-// pyramid of surface densities (after Crassin et al. 2011, "Interactive Indirect Illumination Using Voxel Cone Tracing");
-// near the hand, the signed distance to its skin darkens what faces it, so that the gap can be read.
+// The light that arrives at each vertex. The key light's shadow softens with the distance of the occluder (Fernando 2005,
+// "Percentage-Closer Soft Shadows"); openness to ambient light comes from a wide cone along the normal through a pyramid of surface
+// densities (after Crassin et al. 2011, "Interactive Indirect Illumination Using Voxel Cone Tracing"); near the hand, the signed distance
+// to its skin darkens the surfaces that face it, so that the gap is visible.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/render/renderer_io.h"
 
 layout(local_size_x_id = 0) in;
 layout(push_constant, scalar) uniform Push { RenderLightArgs args; };
 
-const float kLightSpread = 0.16;     // the key light's radius a metre of distance: a soft box
-const float kSearchM = 0.045;        // how far to the side what casts a shadow is looked for
-const float kLeastBlurM = 0.004;     // finer than a vertex spacing of the clay would flicker
+const float kLightSpread = 0.16;     // the key light's radius per metre of distance: a soft box
+const float kSearchM = 0.045;        // search radius for occluders
+const float kLeastBlurM = 0.004;     // anything finer than the clay's vertex spacing would flicker
 const float kContactM = 0.010;       // the contact shadow fades to 1/e over this gap
 const float kContactDepth = 0.55;
-const float kThroughSkin = 0.4;       // of the key light: so much comes through the hand, or its shadow would hide what it shapes,
+const float kThroughSkin = 0.4;       // fraction of the key light that passes through the hand; otherwise its shadow would hide what it shapes,
 const float kThroughM = 0.05;         // to 1/e over this distance
-const float kConeCells = 1.6;        // farther out than a flat surface's own cells reach
+const float kConeCells = 1.6;        // beyond the cells of a flat surface itself
 const float kConeStrength = 0.75;
 const float kReach = 0.4;             // cosine; no material wraps light farther (render_studio.glsl)
 const float kBiasM = 0.0025, kGrazingBiasM = 0.02;
 const float kGoldenAngle = 2.3999632;
 
-// Evenly in the unit disc (Vogel 1979).
+// Evenly distributed in the unit disc (Vogel 1979).
 vec2 spiral(uint i, uint count) {
   const float r = sqrt((i + 0.5) / count), angle = i * kGoldenAngle;
   return r * vec2(cos(angle), sin(angle));
 }
 
-// The share of the key light that arrives; n faces it.
+// The fraction of the key light that arrives; n faces it.
 float keyArrives(vec3 p, vec3 n, vec3 key) {
   const vec4 row_x = args.frame.at[0].light_row[0], row_y = args.frame.at[0].light_row[1],
              row_z = args.frame.at[0].light_row[2];
@@ -38,12 +38,12 @@ float keyArrives(vec3 p, vec3 n, vec3 key) {
   const vec4 from = vec4(p + 1.5 * texel_m * n, 1);
   const vec2 texel = (vec2(dot(row_x, from), dot(row_y, from)) * 0.5 + 0.5) * size;
   const float depth = dot(row_z, from);
-  // the receiver's own plane, depth a texel sideways: a wide kernel must not find the receiver itself
+  // the receiver's own plane, in depth per texel: a wide kernel must not find the receiver itself
   const vec2 normal = vec2(dot(row_x.xyz, n), dot(row_y.xyz, n));
   const float towards = dot(n, key), facing = max(towards, 0.15);
   const vec2 slope =
       normal / max(length(normal), 1e-6) * (sqrt(max(1 - facing * facing, 0)) / facing * texel_m / depth_m);
-  // where light grazes, the surface's own near parts would shade it in patches; its turning away is shade enough
+  // at grazing angles the surface's own nearby parts would shade it in patches; the cosine shades it enough
   const float bias = mix(kGrazingBiasM, kBiasM, smoothstep(0.0, 0.4, towards)) / depth_m;
 
   const uint taps = args.frame.at[0].shadow_taps;
@@ -69,7 +69,7 @@ float keyArrives(vec3 p, vec3 n, vec3 key) {
   return lit / taps;
 }
 
-// Between the cells' centres; nothing stands outside the pyramid.
+// Interpolates between the cells' centres; the density outside the pyramid is 0.
 float density(vec3 unit, uint level) {
   const uint edge = kDensityCells >> level;
   const uint first = level == 0 ? 0 : level == 1 ? 32 * 32 * 32 : 32 * 32 * 32 + 16 * 16 * 16;
@@ -87,18 +87,18 @@ float density(vec3 unit, uint level) {
   return sum;
 }
 
-// The share of a wide cone along n that is free.
+// The unoccluded fraction of a wide cone along n.
 float openness(vec3 p, vec3 n, float edge_m) {
   const vec3 unit = p / edge_m + 0.5;
   float hidden = 0;
   for (uint level = 0; level < kDensityLevels; ++level) {
-    const float away = kConeCells * (1 << level) / kDensityCells;  // of the edge: so many cells of this level
+    const float away = kConeCells * (1 << level) / kDensityCells;  // in edge lengths: this many cells of this level
     hidden += density(unit + away * n, level);
   }
   return exp(-kConeStrength * hidden);
 }
 
-// The hand's signed distance and, in yzw, its gradient in the workspace.
+// The hand's signed distance and, in yzw, its gradient in the workspace frame.
 vec4 handDistance(vec3 p) {
   const mat3 hand_from_workspace = args.frame.at[0].hand_from_workspace;
   const vec3 in_hand = hand_from_workspace * p + args.frame.at[0].workspace_in_hand;

@@ -1,12 +1,12 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// A lit mesh's vertex. Specialization constant 0: 1 for the forearm, which fades away from the wrist (the hand's origin).
+// A vertex of a lit mesh. Specialization constant 0: 1 for the forearm, which fades away from the wrist (the hand's origin).
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/render/renderer_io.h"
 
 layout(constant_id = 0) const uint kFades = 0;
 layout(push_constant, scalar) uniform Push { RenderMeshArgs args; };
-invariant gl_Position;  // the depth pass before must give the same depth (render_depth.vert)
+invariant gl_Position;  // must give the same depth as the preceding depth pass (render_depth.vert)
 layout(location = 0) out vec3 normal;  // mesh frame
 layout(location = 1) out vec3 to_eye;  // mesh frame
 layout(location = 2) out vec4 light;   // key, open to the front and behind, upward: VertexLight

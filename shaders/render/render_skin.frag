@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// The hand: skin through which the clay can be seen, clearest where it faces the eye.
+// The hand: translucent skin, clearest where it faces the eye.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/render/render_studio.glsl"
 #include "shaders/render/renderer_io.h"
@@ -16,7 +16,7 @@ void main() {
   const vec3 n = normalize(normal), eye = normalize(to_eye);
   const Material skin = Material(args.albedo, 0.35, 0.06, 26, 0.3);
   const vec3 leaving = exposed(studio(skin, n, light.w, eye, args.key_direction, light.x, light.y));
-  // a layer that is `opacity` dense when looked through straight on is denser when looked through aslant
+  // a layer with `opacity` seen straight on is denser when seen at an angle
   const float slant = 1 / max(abs(dot(n, eye)), 0.12);
   color = vec4(leaving, 1 - pow(1 - opacity, slant));
 }

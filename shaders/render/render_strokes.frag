@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// Covers a pixel as far as the stroke with its round ends does.
+// Pixel coverage of a stroke with round ends.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/render/renderer_io.h"
 

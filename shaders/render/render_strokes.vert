@@ -18,7 +18,7 @@ vec4 clipPoint(uint index) {
 void main() {
   const uint quad = gl_VertexIndex / 6, corner = gl_VertexIndex % 6;
   vec4 a = clipPoint(kDots == 1 ? quad : 2 * quad), b = kDots == 1 ? a : clipPoint(2 * quad + 1);
-  // what lies behind the near plane cannot be placed in the image
+  // points behind the near plane have no position in the image
   const float near_a = a.z, near_b = b.z;
   if (near_a < 0 && near_b >= 0) a = mix(a, b, near_a / (near_a - near_b));
   if (near_b < 0 && near_a >= 0) b = mix(b, a, near_b / (near_b - near_a));

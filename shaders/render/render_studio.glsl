@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The studio: a soft warm key light, a hemisphere of sky and of light thrown back by the ground, a gentle rim.
+// Studio lighting: a soft warm key light, a hemisphere of sky and ground bounce light, a gentle rim light.
 
 const vec3 kKeyLight = vec3(1.75, 1.62, 1.45);
 const vec3 kSkyLight = vec3(0.62, 0.66, 0.72);
@@ -7,23 +7,23 @@ const vec3 kBounceLight = vec3(0.36, 0.33, 0.30);
 
 struct Material {
   vec3 albedo;
-  float wrap;       // how far diffuse light reaches round the shade's edge, 0 to 1
+  float wrap;       // how far diffuse light reaches past the terminator, 0 to 1
   float gloss;      // the highlight's strength
-  float sharpness;  // and exponent
+  float sharpness;  // the highlight's exponent
   float rim;
 };
 
-// A highlight's x to the power of s, without the power (Schlick 1994, "A Fast Alternative to Phong's Specular Model").
+// Approximates x to the power of s without pow (Schlick 1994, "A Fast Alternative to Phong's Specular Model").
 float highlight(float x, float s) { return x / (s - s * x + x); }
 
-// What leaves a surface towards the eye, all directions of unit length. `arrives`: share of the key light; `open`: to the light all around.
-// `upward`: the normal's part along z.
+// The light from a surface towards the eye; all directions have unit length. `arrives`: fraction of the key light; `open`: openness to
+// ambient light. `upward`: z component of the normal.
 vec3 studio(Material m, vec3 n, float upward, vec3 to_eye, vec3 to_key, float arrives, float open) {
   const float facing = dot(n, to_key);
   const float key = max((facing + m.wrap) / (1 + m.wrap), 0) * arrives;
   const vec3 around = mix(kBounceLight, kSkyLight, 0.5 + 0.5 * upward) * open;
   vec3 light = m.albedo * (kKeyLight * key + around);
-  // light that meets walls of its own colour comes back coloured: openness darkens the channels unequally
+  // interreflected light takes on the surface's colour: openness darkens the channels unequally
   light *= mix(0.5 + 0.5 / max(m.albedo.r, max(m.albedo.g, m.albedo.b)) * m.albedo, vec3(1), open);
   const float half_way = (facing + dot(n, to_eye)) * inversesqrt(2.001 + 2 * dot(to_key, to_eye));
   light += m.gloss * highlight(max(half_way, 0), m.sharpness) * arrives * step(0, facing) * kKeyLight;
@@ -32,7 +32,7 @@ vec3 studio(Material m, vec3 n, float upward, vec3 to_eye, vec3 to_key, float ar
   return light;
 }
 
-// Strong light bends into white instead of being cut.
+// Compresses strong light towards white instead of clipping it.
 vec3 exposed(vec3 light) {
   const vec3 knee = max(light - 0.6, 0);
   return min(light, 0.6) + 0.5 * knee / (0.5 + knee);

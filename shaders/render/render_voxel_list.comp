@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// The voxels of the model's surface: occupied, and one of the six neighbours is not.
+// Lists the voxels of the model's surface: occupied, with at least one of the six neighbours empty.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/hull/occupancy.glsl"
 #include "shaders/render/renderer_voxels_io.h"
@@ -19,7 +19,7 @@ bool onSurface(ivec3 v) {
                         filled(v - ivec3(0, 1, 0)) && filled(v + ivec3(0, 0, 1)) && filled(v - ivec3(0, 0, 1)));
 }
 
-// Away from the occupied voxels within two steps.
+// Points away from the occupied voxels within two steps.
 vec3 outwards(ivec3 v) {
   vec3 sum = vec3(0, 0, 1e-4);
   for (int z = -2; z <= 2; ++z)

@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// Exclusive sums of the bricks' counts: each invocation adds up a contiguous share, then the shares are added up.
+// Exclusive prefix sums of the bricks' counts: each invocation sums a contiguous part, then the parts are summed.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/render/renderer_voxels_io.h"
 

@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// A voxel's face, its edges a little darker, so that the voxels can be told apart.
+// A voxel's face, with darker edges, so that voxels are distinguishable.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/render/renderer_voxels_io.h"
 #include "shaders/render/render_studio.glsl"

@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// A voxel's cube: the three faces that look towards the eye.
+// A voxel's cube: the three faces that point towards the eye.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/render/renderer_voxels_io.h"
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// The renderer's arguments. All is in metres in the workspace's frame (camera_io.h), colours are linear
+// The renderer's arguments. Everything is in metres in the workspace frame (camera_io.h); colours are linear
 // light.
 //
-// Light that is slow to find (the key light's soft shadow, how open a place is) is found per vertex by
-// compute kernels; a vertex shader then hands it on, and a pixel costs little. That suits a software device,
-// and a fine surface loses nothing.
+// Expensive lighting terms (the key light's soft shadow, openness) are computed per vertex by compute
+// kernels; vertex shaders pass them on, and a pixel costs little. That suits a software device, and a fine
+// mesh loses nothing.
 #ifndef AIRCLAY_RENDERER_IO_H
 #define AIRCLAY_RENDERER_IO_H
 
@@ -14,49 +14,47 @@ AIRCLAY_IO_BEGIN
 
 const uint kRenderWorkgroup = 64;
 
-// The square of ground that is lit reaches so many workspace edges to each side. Its vertices stand closer
-// towards its middle.
+// Half the edge of the lit square of ground, in workspace edges. Its vertices are denser towards the middle.
 const float kGroundHalf = 1.6f;
 
-// How much surface stands where: a pyramid of cubes around the workspace, kDensityCells along an edge and
-// then half and a quarter as many. A cell holds surface area / (its own edge)²: about 1 where one sheet
-// passes.
+// The density of surface: a pyramid of cubes around the workspace, kDensityCells along an edge and then half
+// and a quarter as many. A cell stores surface area / (its own edge)²: about 1 for one sheet.
 const uint kDensityCells = 32;
 const uint kDensityLevels = 3;
 const uint kDensityTotal = 32 * 32 * 32 + 16 * 16 * 16 + 8 * 8 * 8;
-const float kDensityUnit = 65536;  // areas are summed in whole numbers, so that their order is of no matter
+const float kDensityUnit = 65536;  // areas are summed as integers, so that their order does not matter
 
-// What the light kernel knows of an image.
+// The light kernel's parameters for an image.
 struct RenderFrame {
-  vec4 light_row[3];   // the shadow map's clip space from the workspace; parallel light
+  vec4 light_row[3];   // shadow_clip_from_workspace; parallel light
   vec3 key_direction;  // unit, towards the key light
   uint shadow_size;    // texels along the shadow map's edge
   float shadow_texel_m;
   float shadow_depth_m;  // from depth 0 to depth 1
   uint shadow_taps;
-  float edge_m;  // the workspace's
+  float edge_m;  // of the workspace
   mat3 hand_from_workspace;
-  vec3 workspace_in_hand;  // its translation
+  vec3 workspace_in_hand;  // translation of hand_from_workspace
   vec3 grid_low_corner;    // the hand's distance grid (engine/mesh/distance_grid.h), hand frame
   float grid_cell_m;
   uint grid_size[3];
 };
 READ_POINTER(ReadRenderFrames, RenderFrame)
 
-// What arrives at a vertex.
+// The light that arrives at a vertex.
 struct VertexLight {
-  float key;         // share of the key light
-  float open_front;  // openness to the light all around, on the normal's side
+  float key;         // fraction of the key light
+  float open_front;  // openness to ambient light on the normal's side
   float open_behind;
-  float upward;  // the normal's part along z
-  float hand_m;  // signed distance to the hand's skin; kFarM where it does not count
+  float upward;  // z component of the normal
+  float hand_m;  // signed distance to the hand's skin; kFarM if it is not used
 };
 READ_POINTER(ReadVertexLights, VertexLight)
 WRITE_POINTER(WriteVertexLights, VertexLight)
 
 const float kFarM = 1.0f;
 
-// render_density.comp: adds a mesh's area to the finest cells. An invocation a triangle.
+// render_density.comp: adds a mesh's area to the finest cells. One invocation per triangle.
 struct RenderDensityArgs {
   ReadVec3s positions;
   ReadUints triangles;
@@ -65,41 +63,41 @@ struct RenderDensityArgs {
   vec3 translation;
   uint triangle_count;
   float edge_m;
-  float weight;  // of its area: less than 1 where light comes through
+  float weight;  // factor of its area: less than 1 for translucent surfaces
 };
 
-// render_density_levels.comp: the pyramid from the finest cells. An invocation one of the coarsest cells.
+// render_density_levels.comp: the pyramid from the finest cells. One invocation per coarsest cell.
 struct RenderLevelArgs {
   ReadUints areas;
   WriteFloats densities;
 };
 
-// render_light.comp. An invocation a vertex.
+// render_light.comp. One invocation per vertex.
 struct RenderLightArgs {
   ReadRenderFrames frame;
   ReadFloats shadow_map;
   ReadFloats densities;
-  ReadFloats hand_grid;  // 0: the vertices belong to the hand or there is none
+  ReadFloats hand_grid;  // 0: the vertices belong to the hand, or there is no hand
   ReadVec3s positions;
   ReadVec3s normals;
   WriteVertexLights lights;
-  ReadUints device_count;  // 0: `count` holds; else the smaller of the two
+  ReadUints device_count;  // 0: use `count`; else the smaller of the two
   mat3 rotation;           // workspace_from_mesh; may scale
   vec3 translation;
   uint count;
   uint two_sided;
-  uint shows_touch;  // whether hand_m is wanted
+  uint shows_touch;  // whether hand_m is required
 };
 
-// render_ground_cells.comp: the ground's triangles, an invocation a cell.
+// render_ground_cells.comp: the ground's triangles, one invocation per cell.
 struct RenderGroundArgs {
   ReadVertexLights lights;
-  WriteUints triangles;  // six indices a cell, all 0 where there is no shade to be seen
-  uint side;             // vertices along the square's
+  WriteUints triangles;  // six indices per cell, all 0 without visible shade
+  uint side;             // vertices along the square's edge
 };
 
-// render_depth.vert; render_mesh.vert with render_clay.frag or render_skin.frag. Light is reckoned in the
-// mesh's own frame.
+// render_depth.vert; render_mesh.vert with render_clay.frag or render_skin.frag. Lighting is computed in the
+// mesh frame.
 struct RenderMeshArgs {
   ReadVec3s positions;
   ReadVec3s normals;
@@ -125,7 +123,7 @@ struct RenderBackdropArgs {
 // Specialization constant 0: 1 for dots.
 struct RenderStrokeArgs {
   ReadVec3s points;
-  ReadUints indices;  // two a segment, one a dot; 0: in order
+  ReadUints indices;  // two per segment, one per dot; 0: in order
   mat4 clip_from_strokes;
   vec3 eye;  // the strokes' frame
   vec4 color;
@@ -133,11 +131,11 @@ struct RenderStrokeArgs {
   float width;    // pixels
 };
 
-// A stroke is pulled this share of the distance towards the eye, so that it stands before the surface on
-// which it lies: 4 mm at a metre, more than a data point lies beneath the display surface.
+// A stroke moves towards the eye by this fraction of the distance, so that it is drawn in front of the
+// surface below it: 4 mm at a metre, more than the distance of a data point below the display surface.
 const float kStrokeNearer = 0.004f;
 
-// A ball pulled along a link: radius a at a, radius b at b.
+// A sphere swept along a link: radius_a at a, radius_b at b.
 struct RenderCapsule {
   vec3 a;
   vec3 b;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Drawing the voxel model: kernels list the voxels of its surface, in one order whatever the device does; a
-// cube is drawn for each.
+// Drawing the voxel model: kernels list the voxels of its surface in an order that is the same on every
+// device; each is drawn as a cube.
 #ifndef AIRCLAY_RENDERER_VOXELS_IO_H
 #define AIRCLAY_RENDERER_VOXELS_IO_H
 
@@ -9,37 +9,37 @@
 
 AIRCLAY_IO_BEGIN
 
-const uint kVoxelVertices = 18;  // the three faces that can be seen at once
+const uint kVoxelVertices = 18;  // the three faces that can be visible at once
 const uint kVoxelScanWorkgroup = 64;
 
-// How many are drawn and lit, as indirect commands take it.
+// The number of voxels that are drawn and lit, in the layout of indirect commands.
 struct VoxelCounts {
   uint vertices;
   uint instances;
   uint first_vertex;
   uint first_instance;
-  uint groups_x;  // of the kernel that lights them
+  uint groups_x;  // of the lighting kernel
   uint groups_y;
   uint groups_z;
 };
 READ_POINTER(ReadVoxelCounts, VoxelCounts)
 WRITE_POINTER(WriteVoxelCounts, VoxelCounts)
 
-// render_voxel_list.comp, an invocation a brick. Constant 1: 0 counts the surface's voxels, 1 writes them.
+// render_voxel_list.comp, one invocation per brick. Constant 1: 0 counts the surface voxels, 1 writes them.
 struct VoxelListArgs {
   ReadUints brick_states;
   ReadUints words;
-  ReadUints firsts;      // of each brick in the list; only when writing
+  ReadUints firsts;      // each brick's first index in the list; only when writing
   WriteUints counts;     // of each brick; only when counting
   WriteVec3s positions;  // centres
-  WriteVec3s normals;    // unit, from how the voxels around are occupied
+  WriteVec3s normals;    // unit, from the occupancy of the voxels around
   uint voxels;
   uint bricks_edge;
   float voxel_m;
   uint capacity;
 };
 
-// render_voxel_scan.comp, one workgroup: each brick's first place in the list, and the total.
+// render_voxel_scan.comp, one workgroup: each brick's first index in the list, and the total.
 struct VoxelScanArgs {
   ReadUints counts;
   WriteUints firsts;
@@ -51,9 +51,9 @@ struct VoxelScanArgs {
 // render_voxels.vert, .frag
 struct RenderVoxelArgs {
   ReadVec3s positions;
-  ReadVertexLights lights;  // 0: depth alone is wanted
+  ReadVertexLights lights;  // 0: depth only
   mat4 clip_from_workspace;
-  vec3 eye;  // the faces towards it are drawn
+  vec3 eye;  // the faces that point towards it are drawn
   vec3 key_direction;
   vec3 albedo;
   float voxel_m;

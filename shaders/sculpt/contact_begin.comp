@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// What kind of frame this is. The hand must have been tracked and held in the last one too for its way to be known.
+// Selects the mode of this frame. A sweep requires that the hand was tracked and the clutch held in the last frame too.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/sculpt/contact_io.h"
 #include "shaders/core/quaternion.glsl"
@@ -19,7 +19,7 @@ void main() {
   frame.known = now ? 1 : 0;
   frame.rotation_before = frame.mode == kFrameSweep ? frame.rotation_now : rotation;
   frame.position_before = frame.mode == kFrameSweep ? frame.position_now : position;
-  // q and -q are one rotation: the shorter way
+  // q and -q are the same rotation: choose the shorter path
   frame.rotation_now = dot(frame.rotation_before, rotation) < 0 ? -rotation : rotation;
   frame.position_now = position;
   if (frame.mode != kFrameSweep) frame.gripped = 0;

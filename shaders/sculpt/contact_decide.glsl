@@ -1,18 +1,21 @@
 // SPDX-License-Identifier: MIT
-// Whether a frame's repeats go on, and how far the next step goes: for a check of one workgroup, whose arguments have `args.decision`.
+// Decides whether a frame's repeats continue, and how far the next step goes: for a check of one workgroup, whose arguments have
+// `args.decision`.
 //
-// Displacements x wanted of the touched points (along their directions, or as vectors) move them by Q x, Q = E A A⁺ Eᵀ (E takes them to all data points), symmetric with
-// eigenvalues between 0 and 1, mostly far below 1: the cage spreads what few points want over all. The largest Rayleigh quotient of Q met in this frame, from the
-// steps done and what they achieved, stands for its largest eigenvalue L, and 1 / L is the step of gradient descent.
-// On top of it Nesterov's momentum (1983), as in Mazhar et al. 2015, "Using Nesterov's method to accelerate multibody dynamics with friction and contact".
+// Target displacements x of the touched points (along their directions, or as vectors) move them by Q x, Q = E A A⁺ Eᵀ (E maps them to all
+// data points), symmetric with eigenvalues between 0 and 1, mostly far below 1: the cage spreads the displacements of few points over all.
+// The largest Rayleigh quotient of Q found in this frame, from the steps so far and their results, estimates its largest eigenvalue L; 1 /
+// L is the step of gradient descent.
+// Nesterov's momentum (1983) is added, as in Mazhar et al. 2015, "Using Nesterov's method to accelerate multibody dynamics with friction
+// and contact".
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
 
-// Of some of the points.
+// Partial sums over some of the points.
 struct Findings {
-  float achieved;  // sum of the last displacements wanted times those that came of them
-  float pushed;    // sum of the former's squares
-  float left_m;    // the largest
+  float achieved;  // sum of the last target displacements times the achieved ones
+  float pushed;    // sum of the squares of the target displacements
+  float left_m;    // the largest remaining depth or lag
   uint touched;
 };
 
@@ -37,7 +40,7 @@ void decideAll(Findings found) {
   frame.done = done ? 1 : 0;
   frame.step = frame.quotient > 0 ? 1 / frame.quotient : 1;
   frame.momentum = 0;
-  if (frame.repeats >= 2) {  // the first step knows no quotient, the second is the first of its size
+  if (frame.repeats >= 2) {  // the first step has no quotient yet, and the second is the first with its step size
     const float next = 0.5 * (1 + sqrt(1 + 4 * frame.theta * frame.theta));
     frame.momentum = (frame.theta - 1) / next;
     frame.theta = next;
@@ -53,7 +56,7 @@ void decideAll(Findings found) {
   args.decision.summary.at[0] = GpuContactSummary(found.touched, frame.repeats, found.left_m, frame.done);
 }
 
-// `found` is the invocation's share. Sums in a fixed order.
+// `found` is this invocation's part. Sums in a fixed order.
 void decide(Findings found) {
   found.achieved = subgroupAdd(found.achieved);
   found.pushed = subgroupAdd(found.pushed);

@@ -1,6 +1,7 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// Contact of one data point, or a mirror image of it: its path in the hand's frame since the last check, and where it has to go. Told in engine/sculpt/contact.h.
+// Contact of one data point, or of a mirror image of it: its path in the hand frame since the last check, and where it has to move. See
+// engine/sculpt/contact.h.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
 #include "shaders/sculpt/contact_io.h"
@@ -27,12 +28,12 @@ vec3 normalAt(vec3 point) {
   return size > 0 ? gradient / size : vec3(0, 0, 1);
 }
 
-// The way of a data point while the hand goes from one pose to the next and the clay from one shape to the next, both at a steady pace.
+// The path of a data point while the hand moves from one pose to the next and the clay from one shape to the next, both at constant speed.
 struct Way {
   vec4 rotation_from, rotation_to;
   vec3 center_from, center_to;
   vec3 point_from, point_to;
-  float length_m;  // a bound
+  float length_m;  // an upper bound
 };
 
 vec3 placeInHand(Way way, float t) {
@@ -41,15 +42,15 @@ vec3 placeInHand(Way way, float t) {
 }
 
 float boundOf(Way way) {
-  // the chord's quaternion turns fastest half way: 4 tan(angle / 4)
+  // the interpolated quaternion turns fastest half way: 4 tan(angle / 4)
   const float cosine = min(dot(way.rotation_from, way.rotation_to), 1);
   const float turn = 4 * sqrt((1 - cosine) / (1 + cosine));
   const float arm = max(length(way.point_from - way.center_from), length(way.point_to - way.center_to));
   return length(way.point_to - way.point_from) + length(way.center_to - way.center_from) + turn * arm;
 }
 
-// The first t at which the way enters the hand, by conservative advancement, then bisection; kNone when it does not. `leaves`: it may
-// begin inside, and has to leave first.
+// The first t at which the path enters the hand, by conservative advancement, then bisection; kNone if it does not. `leaves`: it may start
+// inside, and has to leave first.
 float firstEntry(Way way, bool leaves) {
   const float min_step = max(kContactMinStep, way.length_m / kContactMaxSteps);
   float t = 0, outside = 0, inside = kNone;
@@ -69,7 +70,7 @@ float firstEntry(Way way, bool leaves) {
   }
 }
 
-// The first surface on the line place + s direction from s = high down to low: its s. kNone when there is none, kBuried when the line is
+// The s of the first surface on the line place + s direction, from s = high down to low. kNone if there is none; kBuried if the line is
 // inside far above `high`.
 float firstSurface(vec3 place, vec3 direction, float high, float low) {
   float s = high, outside = kNone, inside = kNone;
@@ -90,7 +91,7 @@ float firstSurface(vec3 place, vec3 direction, float high, float low) {
   }
 }
 
-// A point that was outside, or is again when `leaves`.
+// Processes a point that was outside, or, if `leaves`, has just been released.
 void sweep(Way way, bool leaves, inout GpuContactPoint point) {
   point.state = kPointOutside;
   point.depth = 0;
@@ -108,7 +109,7 @@ void sweep(Way way, bool leaves, inout GpuContactPoint point) {
   point.last_push = 0;
 }
 
-// A reached point; true when the hand has let it go.
+// Processes a reached point; returns true if the hand has released it.
 bool follow(Way way, float distance_m, inout GpuContactPoint point) {
   const vec3 from = placeInHand(way, 0), to = placeInHand(way, 1);
   if (args.first != 0) point.direction = normalize(point.direction + kContactTurnToNormal * normalAt(from));
@@ -160,7 +161,7 @@ void main() {
     if (!reached || released) sweep(way, released, point);
   }
   if (frame.mode == kFrameSweep && state == kPointOutside && point.state == kPointOutside)
-    args.points.at[index].position = position;  // most points: all that changes
+    args.points.at[index].position = position;  // for most points only the position changes
   else
     args.points.at[index] = point;
 }

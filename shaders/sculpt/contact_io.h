@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Contact in device memory: what is kept of each data point, the frame's state, and the kernels' arguments.
-// The method is told in engine/sculpt/contact.h.
+// Contact in device memory: the state of each data point, the state of the frame, and the kernels' arguments.
+// See engine/sculpt/contact.h for the method.
 #ifndef AIRCLAY_CONTACT_IO_H
 #define AIRCLAY_CONTACT_IO_H
 
@@ -11,66 +11,66 @@ AIRCLAY_IO_BEGIN
 
 const uint kContactWorkgroup = 64;
 
-// 0.2 mm outside, a reached point is released; less would let rounding reach and release it by turns.
+// A reached point is released 0.2 mm outside; with less, rounding would reach and release it alternately.
 const float kContactReleased = 0.0002;
-// 1 mm outside, a point that was inside when tracking began has been left.
+// 1 mm outside, a point that was inside when tracking began counts as left.
 const float kContactLeft = 0.001;
-// Steps along a path are at least this long: what is thinner than 0.5 mm may be missed …
+// Steps along a path are at least this long: anything thinner than 0.5 mm may be missed …
 const float kContactMinStep = 0.0005;
-// … and on a longer path a share of it, so that there are at most so many steps.
+// … and on a longer path a fraction of its length, which limits the number of steps.
 const float kContactMaxSteps = 256;
-// Where a path meets the surface is found to 2 µm.
+// The intersection of a path with the surface is found to 2 µm.
 const float kContactRefined = 2e-6;
-// A point is looked for from this much above where it was.
+// The search for a point starts this far above its last position.
 const float kContactLift = 0.001;
-// The surface is at most this far above that, else the point is left alone until the hand has left it.
+// The surface is at most this far above that; otherwise the point is ignored until the hand has left it.
 const float kContactMaxClimb = 0.05;
-// Of a unit normal added to the direction in each new frame.
+// Fraction of the unit normal added to the direction in each new frame.
 const float kContactTurnToNormal = 0.5;
-// Below this a way is too short to have a direction: the normal is taken.
+// A path shorter than this has no direction: the normal is used.
 const float kContactShortWay = 1e-6;
 
-// What is left may be so deep; the repeats end.
+// The repeats end at this remaining depth.
 const float kContactDepthWanted = 0.001;
-// A repeat that leaves more than this share of the least depth so far does not shrink it; after so many in a
-// row the repeats end.
+// A repeat that leaves more than this fraction of the smallest depth so far counts as a stall; after a number
+// of stalls in a row the repeats end.
 const float kContactShrinks = 0.98;
 const uint kContactMaxStalls = 3;
 const uint kContactMaxRepeats = 32;
-// The least Rayleigh quotient believed: 50 times over-relaxed at most.
+// The smallest accepted Rayleigh quotient: at most 50 times over-relaxed.
 const float kContactMinQuotient = 0.02;
 
 const uint kPointOutside = 0;
 const uint kPointReached = 1;
-const uint kPointIgnored = 2;  // inside when tracking began, and not left yet
+const uint kPointIgnored = 2;  // inside when tracking began, and not yet left
 
 // A data point, or a mirror image of it, between two checks. Lengths along `direction` are in metres.
 struct GpuContactPoint {
   vec3 position;  // at the last check, workspace
   uint state;
-  vec3 direction;  // unit, outwards, hand's frame; of a reached point
-  float depth;  // from the point to the hand's surface along it; negative: the surface lies behind, at most
+  vec3 direction;  // unit, outwards, hand frame; of a reached point
+  float depth;  // from the point to the hand's surface along it; negative: the surface is behind, by at most
                 // `pushed`
-  float depth_before;  // a check ago
-  float pushed;        // all that the point was displaced by in this frame, for the solve
-  float pushed_plain;  // that without momentum, see contact_push
+  float depth_before;  // at the previous check
+  float pushed;        // total displacement requested in this frame, for the solve
+  float pushed_plain;  // the same without momentum, see contact_push
   float last_push;     // by the last repeat
 };
 
 READ_POINTER(ReadContactPoints, GpuContactPoint)
 READ_WRITE_POINTER(ReadWriteContactPoints, GpuContactPoint)
 
-// Workgroups of an indirect dispatch.
+// Workgroup counts of an indirect dispatch.
 struct GpuGroups {
   uint x;
   uint y;
   uint z;
 };
 
-// The hand: its distances, sampled on a grid. Last among arguments: C++ pads a struct's end, GLSL does not.
+// The hand's distances, sampled on a grid. Must be the last argument: C++ pads a struct's end, GLSL does not.
 struct HandDistances {
   ReadFloats values;  // metres, negative inside
-  vec3 low_corner;    // from the centre of gravity, hand's frame
+  vec3 low_corner;    // from the centre of gravity, hand frame
   float cell_m;
   uint size_x;
   uint size_y;
@@ -81,29 +81,29 @@ const uint kFrameIdle = 0;   // nothing to do: no hand, or the clutch is open
 const uint kFrameStart = 1;  // the first tracked frame: points inside are marked or gripped, nothing moves
 const uint kFrameSweep = 2;
 
-// The frame: the hand's two poses, how the repeats go, and the workgroups of what is to be done next.
+// The frame: the hand's two poses, the progress of the repeats, and the workgroup counts of the next kernels.
 struct GpuContactFrame {
   vec4 rotation_before;  // workspace_from_hand, a unit quaternion x y z w
   vec4 rotation_now;
   vec3 position_before;  // of the centre of gravity, workspace, metres
   vec3 position_now;
-  vec4 rotation_gripped;  // when the hand took hold, see grip_io.h
+  vec4 rotation_gripped;  // when the hand gripped, see grip_io.h
   vec3 position_gripped;
-  uint gripped;  // 1: it has taken hold
+  uint gripped;  // 1: the hand has gripped
   uint mode;
-  uint known;  // 1: the hand's pose in the next frame's `before` will be this frame's `now`
+  uint known;  // 1: the hand's pose becomes the next frame's `before`
   uint done;
-  uint touched;    // data points that are reached, each image counted
+  uint touched;    // reached data points, each image counted
   uint repeats;    // solves done in this frame
   uint stalls;     // repeats in a row that did not shrink the depth
-  float depth_m;   // the largest left
-  float least_m;   // of all repeats of this frame
-  float quotient;  // the largest Rayleigh quotient met; 0: none yet
+  float depth_m;   // the largest that remains
+  float least_m;   // smallest of all repeats of this frame
+  float quotient;  // the largest Rayleigh quotient so far; 0: none yet
   float step;      // of the next push
   float momentum;
   float theta;               // Nesterov's sequence
-  GpuGroups find_groups;     // contact_find: in z the images
-  GpuGroups point_groups;    // contact_push, subdivide and their like
+  GpuGroups find_groups;     // contact_find: z counts the images
+  GpuGroups point_groups;    // contact_push, subdivide and similar kernels
   GpuGroups project_groups;  // solve_project
   GpuGroups apply_groups;    // solve_apply
   GpuGroups check_groups;    // contact_check
@@ -113,7 +113,7 @@ struct GpuContactFrame {
 READ_POINTER(ReadContactFrames, GpuContactFrame)
 READ_WRITE_POINTER(ReadWriteContactFrames, GpuContactFrame)
 
-// What comes back to the host.
+// The result for the host.
 struct GpuContactSummary {
   uint touched;
   uint repeats;
@@ -123,37 +123,37 @@ struct GpuContactSummary {
 
 WRITE_POINTER(WriteContactSummaries, GpuContactSummary)
 
-// The workgroup counts of the kernels that are repeated.
+// The workgroup counts of the repeated kernels.
 struct ContactGroups {
   uint points_x;
   uint points_y;
   uint project;
   uint apply;
-  uint images;  // of each point that is looked at on its own
+  uint images;  // images of each point that are processed separately
 };
 
-// What a check needs to tell whether to go on: contact_decide.glsl. Last among arguments.
+// A check's input for the decision to continue: contact_decide.glsl. Must be the last argument.
 struct ContactDecision {
   ReadWriteContactFrames frame;
   WriteContactSummaries summary;
   ContactGroups groups;
-  float target_m;  // what is left may be so much; the repeats end
+  float target_m;  // the repeats end at this remaining depth
   uint max_repeats;
-  uint max_stalls;  // repeats in a row that did not shrink it; the repeats end
+  uint max_stalls;  // the repeats end after this many stalls in a row
 };
 
-// contact_begin: one invocation; what kind of frame this is.
+// contact_begin: one invocation; selects the frame's mode.
 struct ContactBeginArgs {
   ReadFits fit;
   ReadWriteContactFrames frame;
-  vec4 clay_from_workspace;  // the clay may be turned; a unit quaternion x y z w
+  vec4 clay_from_workspace;  // the clay may be rotated; a unit quaternion x y z w
   ContactGroups groups;
   uint held;    // the clutch
-  uint forget;  // 1: the last pose holds no more
+  uint forget;  // 1: the last pose is no longer valid
 };
 
-// contact_find: one invocation a data point and image; depths along the points' directions. Image k of data
-// point i stands in `points` at k * data_point_count + i.
+// contact_find: one invocation per data point and image; depths along the points' directions. Image k of data
+// point i is `points` element k * data_point_count + i.
 struct ContactFindArgs {
   ReadContactFrames frame;
   ReadVec3s data_points;
@@ -164,14 +164,14 @@ struct ContactFindArgs {
   HandDistances hand;
 };
 
-// contact_check: one workgroup; whether to go on, and how far to push.
+// contact_check: one workgroup; whether to continue, and how far to push.
 struct ContactCheckArgs {
   ReadContactPoints points;
   uint point_count;  // all images
   ContactDecision decision;
 };
 
-// contact_push: one invocation a data point; the displacements that the solve is to bring about.
+// contact_push: one invocation per data point; target displacements for the solve.
 struct ContactPushArgs {
   ReadContactFrames frame;
   ReadWriteContactPoints points;

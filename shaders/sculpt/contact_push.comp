@@ -1,6 +1,7 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// The displacements that the solve is to bring about: of the points that are inside still, by the step that contact_check has chosen. Points are pushed, never pulled.
+// Target displacements for the solve: of the points that are still inside, by the step that contact_check has chosen. Points are pushed,
+// never pulled.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/sculpt/contact_io.h"
 #include "shaders/core/invocation.glsl"
@@ -9,7 +10,7 @@
 
 layout(push_constant, scalar) uniform Push { ContactPushArgs args; };
 
-// Moves the point's account on, and says by how much it is pushed now.
+// Updates the point's totals, and returns its push in this repeat.
 vec3 push(inout GpuContactPoint point) {
   float push_m = 0;
   if (point.depth > 0) {

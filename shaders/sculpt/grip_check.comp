@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// Whether the frame's repeats go on, and how far the next pull goes. One workgroup; sums in a fixed order.
+// Decides whether the frame's repeats continue, and how far the next pull goes. One workgroup; sums in a fixed order.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/sculpt/grip_io.h"
 

@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// The hand takes hold of a data point, or tells how far one that it holds lags behind. Told in engine/sculpt/grip.h.
+// The hand grips a data point, or measures how far a gripped point lags behind. See engine/sculpt/grip.h.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/sculpt/grip_io.h"
 #include "shaders/core/invocation.glsl"
@@ -11,7 +11,7 @@ layout(push_constant, scalar) uniform Push { GripFindArgs args; };
 
 #include "shaders/hand/hand_distance.glsl"
 
-// Where a point that was gripped at `start` has been carried.
+// Where the hand has carried a point that was gripped at `start`.
 vec3 carried(GpuContactFrame frame, vec3 start) {
   const vec3 in_hand = rotate(conjugate(frame.rotation_gripped), start - frame.position_gripped);
   return rotate(frame.rotation_now, in_hand) + frame.position_now;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The grip in device memory: clay that sticks to the hand. The method is told in engine/sculpt/grip.h.
+// The grip in device memory: clay that sticks to the hand. See engine/sculpt/grip.h for the method.
 #ifndef AIRCLAY_GRIP_IO_H
 #define AIRCLAY_GRIP_IO_H
 
@@ -12,28 +12,28 @@ AIRCLAY_IO_BEGIN
 // ring.
 const float kGripReach_m = 0.006;
 
-// What held points may lag behind; the repeats end. A voxel is ten times as large.
+// The repeats end when gripped points lag by no more than this. A voxel is ten times as large.
 const float kGripLagWanted_m = 0.0005;
 
-// With momentum the lag goes down by waves, and where it is to end is reached from any side: patience pays,
-// unlike with depths.
+// With momentum the lag decreases in waves, and the target is approached from either side: unlike with
+// depths, more stalls are tolerated.
 const uint kGripMaxStalls = 8;
 
-// A data point while the hand holds on.
+// A data point while the hand grips.
 struct GpuGripPoint {
-  vec3 start;         // where it was when the hand took hold, workspace
-  uint images;        // bit k: image k of the hand holds it; 0: nobody does
-  vec3 lag;           // from the point to where it is to be
-  float achieved;     // the last displacement wanted times that which came of it
-  vec3 pulled;        // all that it was displaced by in this frame, for the solve
-  vec3 pulled_plain;  // that without momentum
+  vec3 start;         // its position when the hand gripped, workspace
+  uint images;        // bit k: image k of the hand grips it; 0: none does
+  vec3 lag;           // from the point to its target
+  float achieved;     // the last target displacement times the achieved one
+  vec3 pulled;        // total displacement requested in this frame, for the solve
+  vec3 pulled_plain;  // the same without momentum
   vec3 last_pull;     // by the last repeat
 };
 
 READ_POINTER(ReadGripPoints, GpuGripPoint)
 READ_WRITE_POINTER(ReadWriteGripPoints, GpuGripPoint)
 
-// grip_find: one invocation a data point; who is held, and how far it lags behind.
+// grip_find: one invocation per data point; which points are gripped, and how far they lag behind.
 struct GripFindArgs {
   ReadContactFrames frame;
   ReadVec3s data_points;
@@ -45,14 +45,14 @@ struct GripFindArgs {
   HandDistances hand;
 };
 
-// grip_check: one workgroup; whether to go on, and how far to pull.
+// grip_check: one workgroup; whether to continue, and how far to pull.
 struct GripCheckArgs {
   ReadGripPoints points;
   uint data_point_count;
   ContactDecision decision;
 };
 
-// grip_pull: one invocation a data point; the displacements that the solve is to bring about.
+// grip_pull: one invocation per data point; target displacements for the solve.
 struct GripPullArgs {
   ReadContactFrames frame;
   ReadWriteGripPoints points;

@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// The displacements that the solve is to bring about: of the points that lag behind, by the step that grip_check has chosen.
+// Target displacements for the solve: of the points that lag behind, by the step that grip_check has chosen.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/sculpt/grip_io.h"
 #include "shaders/core/invocation.glsl"

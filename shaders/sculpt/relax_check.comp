@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// Whether there is anything to relax, and how often it has been done. One workgroup.
+// Decides whether there is anything to relax, and counts the repeats. One workgroup.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/sculpt/relax_io.h"
 

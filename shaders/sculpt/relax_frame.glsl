@@ -2,7 +2,7 @@
 // The directions in which data points relax. The including shader's arguments have `data_points`, `normals`, `starts`, `neighbours` and
 // `borders`.
 
-// On a border, the direction across it and along the surface; else zero: there the normal alone counts.
+// On a border, the direction across it and along the surface; else zero: there only the normal counts.
 vec3 acrossBorder(uint index, vec3 normal) {
   if (args.borders.at[index] == 0) return vec3(0);
   const uint begin = args.starts.at[index];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Smoothing in device memory: clay near the hand relaxes. The method is told in engine/sculpt/relax.h.
+// Smoothing in device memory: clay near the hand relaxes. See engine/sculpt/relax.h for the method.
 #ifndef AIRCLAY_RELAX_IO_H
 #define AIRCLAY_RELAX_IO_H
 
@@ -10,34 +10,34 @@ AIRCLAY_IO_BEGIN
 // The default reach: nothing relaxes 10 mm from the skin, and the effect grows towards it, over a finger's width.
 const float kRelaxReach_m = 0.01;
 
-// Steps in a frame. A step takes at most all of the roughest shape, and of one four times as long a hundredth
-// of that.
+// Steps per frame. A step removes at most all of the roughest shape, and a hundredth of that from one four
+// times as long.
 const uint kRelaxRepeats = 4;
 
 // Displacements below a thousandth of a millimetre do not count.
 const float kRelaxLeast_m = 1e-6;
 
-// relax_umbrella: one invocation a data point; the way to the average of its neighbours. These stand in
-// `neighbours` from starts[i] up to starts[i + 1].
+// relax_umbrella: one invocation per data point; the vector to the average of its neighbours, which are
+// `neighbours` from starts[i] up to, not including, starts[i + 1].
 struct RelaxUmbrellaArgs {
   ReadVec3s data_points;
   ReadVec3s normals;
   ReadUints starts;
   ReadUints neighbours;
-  ReadUints borders;     // as relax_move's
+  ReadUints borders;     // as in RelaxMoveArgs
   WriteVec3s umbrellas;  // along the normal, across the border, 0
   uint data_point_count;
 };
 
-// relax_move: one invocation a data point; the displacements that the solve is to bring about.
+// relax_move: one invocation per data point; target displacements for the solve.
 struct RelaxMoveArgs {
   ReadContactFrames frame;
   ReadVec3s data_points;
   ReadVec3s normals;
-  ReadVec3s umbrellas;  // relax_umbrella's
+  ReadVec3s umbrellas;  // written by relax_umbrella
   ReadUints starts;
   ReadUints neighbours;
-  ReadUints borders;         // 1: on the surface's border, where the two neighbours are those along it
+  ReadUints borders;         // 1: on the surface's border; then the two neighbours are those along it
   WriteVec3s displacements;  // workspace, metres
   uint data_point_count;
   uint mirrors;  // symmetry_io.h

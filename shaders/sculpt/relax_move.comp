@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// How far a data point near the hand relaxes: its umbrella less the average of its neighbours'. Told in engine/sculpt/relax.h.
+// How far a data point near the hand relaxes: its umbrella less the average of its neighbours'. See engine/sculpt/relax.h.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/sculpt/relax_io.h"
 #include "shaders/core/invocation.glsl"
@@ -35,7 +35,7 @@ void main() {
     uint count = 0;
     for (uint k = begin; k < end; ++k) {
       const uint neighbour = args.neighbours.at[k];
-      // a border's umbrellas are those of a curve
+      // on a border, only the umbrellas of other border points count: those of a curve
       if (!border && args.borders.at[neighbour] != 0) continue;
       sum += args.umbrellas.at[neighbour];
       ++count;

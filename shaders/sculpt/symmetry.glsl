@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Mirror images, packed as symmetry_io.h says, and what a data point is to do when they want different things.
+// Mirror images, packed as in symmetry_io.h, and how the images' requests for a data point combine.
 
 uint imageCount(uint mirrors) { return findMSB(mirrors) / 4 + 1; }  // 0 for image 0 alone: findMSB(0) is -1, and -1 / 4 is 0
 
@@ -8,7 +8,7 @@ vec3 mirrorOf(uint mirrors, uint image) {
   return vec3((axes & 1) != 0 ? -1 : 1, (axes & 2) != 0 ? -1 : 1, (axes & 4) != 0 ? -1 : 1);
 }
 
-// Along each axis the largest displacement either way.
+// The largest displacement in either direction, per axis.
 struct Wishes {
   vec3 up;
   vec3 down;
@@ -21,5 +21,5 @@ void add(inout Wishes requests, vec3 displacement) {
   requests.down = min(requests.down, displacement);
 }
 
-// Where the images agree the larger displacement, where they pull against each other the sum.
+// The larger displacement if the images agree, the sum if they oppose each other.
 vec3 agreed(Wishes requests) { return requests.up + requests.down; }

@@ -1,6 +1,7 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// Makes the control points of each orbit exact images of one another: the average of all, mirrored back. In place, for orbits have no point in common.
+// Makes the control points of each orbit exact images of one another: the average of all, mirrored back. In place, since orbits are
+// disjoint.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/sculpt/symmetry_io.h"
 #include "shaders/core/invocation.glsl"

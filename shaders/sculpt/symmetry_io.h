@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Symmetry in device memory: whatever the hand does is done mirrored too. The method is told in
-// engine/sculpt/symmetry.h.
+// Symmetry in device memory: everything the hand does is mirrored. See engine/sculpt/symmetry.h for the
+// method.
 #ifndef AIRCLAY_SYMMETRY_IO_H
 #define AIRCLAY_SYMMETRY_IO_H
 
@@ -9,12 +9,12 @@
 AIRCLAY_IO_BEGIN
 
 // The images are packed into one uint, `mirrors`, 4 bits each: 1, 2, 4 for the axes x, y, z whose sign is
-// turned. Image 0 turns none; after the last one all is zero.
+// flipped. Image 0 flips none; unused bits after the last image are 0.
 const uint kMaxImages = 8;
 
 const uint kSymmetryWorkgroup = 64;
 
-// symmetry_average: one invocation an orbit, the control points that are each other's images.
+// symmetry_average: one invocation per orbit, a set of control points that are each other's images.
 struct SymmetryAverageArgs {
   ReadUints orbits;  // imageCount(mirrors) control points each, in the images' order
   ReadWriteDoubles exact_points;

@@ -9,7 +9,7 @@ uvec3 pcg3d(uvec3 v) {
   return v;
 }
 
-// Smooth between random values from 0 to 1 at the points of the unit lattice.
+// Smooth interpolation of random values from 0 to 1 at the points of the unit lattice.
 float valueNoise(vec3 p) {
   const vec3 cell = floor(p), t = p - cell, s = t * t * (3 - 2 * t);
   float sum = 0;
@@ -21,7 +21,7 @@ float valueNoise(vec3 p) {
   return sum;
 }
 
-// Octaves of it, each of twice the frequency and half the height; from 0 to 1, mean 1/2.
+// Octaves of valueNoise, each of twice the frequency and half the amplitude; from 0 to 1, mean 1/2.
 float fractalNoise(vec3 p, int octaves) {
   float sum = 0, height = 1, total = 0;
   for (int i = 0; i < octaves; ++i) {

@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// Skin in a studio: a soft key light that bleeds red round the edge of its shade, light from above and below, a faint gloss.
+// Skin in a studio: a soft key light with a red terminator, light from above and below, a faint gloss.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/synthetic/sensor_io.h"
 #include "shaders/synthetic/noise.glsl"
@@ -12,7 +12,7 @@ layout(location = 2) in float blotch;  // 0 pale to 1 red
 layout(location = 0) out vec4 color;
 
 const vec3 kSkin = vec3(0.52, 0.25, 0.165);            // linear
-const vec3 kBleed = vec3(0.45, 0.22, 0.15);            // how far round the shade's edge light reaches in skin, by channel
+const vec3 kBleed = vec3(0.45, 0.22, 0.15);            // how far past the terminator light reaches in skin, per channel
 const vec3 kKey = vec3(1.00, 0.95, 0.88);
 const vec3 kSky = vec3(0.34, 0.36, 0.40), kGround = vec3(0.07, 0.09, 0.10);
 const float kGloss = 0.05, kGlossSharpness = 24;

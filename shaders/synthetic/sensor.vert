@@ -1,7 +1,7 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// The hand's vertices through a camera's own lens. The lens bends what is straight: that is exact at the corners, and the triangles
-// are small.
+// Projects the hand's vertices through a camera's own lens. Lens distortion bends edges: the result is exact at the corners, and the
+// triangles are small.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/synthetic/sensor_io.h"
 #include "shaders/camera/camera_io.h"
@@ -31,6 +31,6 @@ void main() {
   const vec2 clip = 2 * (projection.pixel + 0.5) / vec2(camera.width, camera.height) - 1;  // pixel centres at whole numbers
   gl_Position = projection.valid ? vec4(clip * in_camera.z, in_camera.z * (1 - kNear / length(in_camera)), in_camera.z)
                                  : vec4(2, 2, 2, 1);
-  // of a triangle with a corner that the lens does not see nothing is left: not a billionth of its edges
+  // clips the whole triangle if the lens does not see one of its corners
   gl_ClipDistance[0] = projection.valid ? 1 : -1e9;
 }

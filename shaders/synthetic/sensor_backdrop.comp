@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// What the synthetic cameras see behind the hand: a mottled cloth, swept from the floor up into a wall. Once a camera.
+// What the synthetic cameras see behind the hand: a mottled cloth, swept from the floor up into a wall. Runs once per camera.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/synthetic/sensor_io.h"
 #include "shaders/synthetic/noise.glsl"
@@ -8,11 +8,11 @@
 layout(local_size_x_id = 0) in;
 layout(push_constant, scalar) uniform Push { BackdropArgs args; };
 
-const float kFillet = 0.35;  // of the wall's radius: how roundly the floor becomes wall
+const float kFillet = 0.35;  // fraction of the wall's radius: radius of the transition from floor to wall
 const int kSteps = 96;       // grazing rays need many
 const vec3 kCloth = vec3(0.052, 0.098, 0.112);  // linear: a blue-grey green, far from skin in hue
 
-// Bilinear between the given rays.
+// Bilinear interpolation of the given rays.
 vec3 rayThrough(uvec2 pixel) {
   const uint across = (args.width + kRayStep - 1) / kRayStep + 1;
   const uvec2 cell = pixel / kRayStep;
@@ -22,7 +22,7 @@ vec3 rayThrough(uvec2 pixel) {
              mix(args.rays.at[at + across], args.rays.at[at + across + 1], t.x), t.y);
 }
 
-// Distance to the sweep from a place inside it: a rounded box in radius and height.
+// Distance to the sweep from a point inside it: a rounded box in radius and height.
 float distanceToSweep(vec3 p) {
   const float fillet = kFillet * args.wall_radius;
   const vec2 q = vec2(length(p.xy) - (args.wall_radius - fillet), args.floor_z + fillet - p.z);
@@ -35,7 +35,7 @@ vec3 clothAt(vec3 p) {
   const float weave = valueNoise(55 * scaled);
   vec3 cloth = kCloth * mix(vec3(1.12, 1.0, 0.86), vec3(0.86, 1.0, 1.16), smoothstep(0.25, 0.75, tint));
   cloth *= 0.45 + 1.1 * smoothstep(0.1, 0.9, mottle) + 0.07 * (weave - 0.5);
-  // the light's pool on the floor, and the wall darkening upwards
+  // the light pool on the floor, and the wall darkening upwards
   const float radius = length(scaled.xy), height = (p.z - args.floor_z) / args.edge_m;
   return cloth * (0.5 + 0.75 * exp(-radius * radius / 4)) * (0.35 + 0.65 * exp(-0.35 * max(height, 0)));
 }

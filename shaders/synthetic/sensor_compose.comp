@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// The image that a camera would send: hand before backdrop, Gaussian noise, BGR bytes.
+// The image that a camera would send: hand in front of backdrop, Gaussian noise, BGR bytes.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/synthetic/sensor_io.h"
 #include "shaders/synthetic/noise.glsl"
@@ -10,7 +10,7 @@ layout(local_size_x_id = 0) in;
 layout(constant_id = 3) const uint kHasHand = 1;
 layout(push_constant, scalar) uniform Push { ComposeArgs args; };
 
-// Bilinear; the map's border is without shadow.
+// Bilinear; the map's border has no shadow.
 float shadowAt(uint pixel) {
   const vec2 at = unpackUnorm2x16(args.backdrop.at[args.all_pixels + pixel]) * float(kShadowCells);
   const vec2 inside = clamp(at, 0, float(kShadowCells) - 1.001);
@@ -21,8 +21,8 @@ float shadowAt(uint pixel) {
              mix(args.shadow.at[i + kShadowCells], args.shadow.at[i + kShadowCells + 1], t.x), t.y);
 }
 
-// From 0 to 255, without noise. Light adds up in linear light, for which the squares stand here: a fourth of a power's price, and exact
-// where hand or backdrop has the pixel to itself.
+// From 0 to 255, without noise. Light adds up linearly; squares approximate linear light here, at a quarter of the cost of a power, and
+// exactly where only hand or only backdrop covers the pixel.
 vec3 seen(uint packed_backdrop, uint rgba, float shadow) {
   const vec3 backdrop = vec3(packed_backdrop & 2047, packed_backdrop >> 11 & 2047, packed_backdrop >> 22) * 255 / vec3(2047, 2047, 1023);
   if (kHasHand == 0) return backdrop;
@@ -40,7 +40,7 @@ uint bgr(vec3 color, uint chance) {
   return rgb.b | rgb.g << 8 | rgb.r << 16;
 }
 
-// Words two at a time: on lavapipe a load costs as much for two as for one.
+// Loads words in pairs: on lavapipe, loading two costs the same as loading one.
 uvec4 fourAt(uint64_t words, uint index) {
   ReadUlongs pairs = ReadUlongs(words + 4ul * index);
   return uvec4(unpackUint2x32(pairs.at[0]), unpackUint2x32(pairs.at[1]));
@@ -54,13 +54,13 @@ void main() {
   const uint at = camera.pixels_before + first;
   const uvec4 backdrop = fourAt(uint64_t(args.backdrop), at);
   const uvec4 hand = kHasHand == 0 ? uvec4(0) : fourAt(uint64_t(args.hand), at);
-  const float shadow = kHasHand == 0 ? 1 : shadowAt(at);  // soft enough for one value
+  const float shadow = kHasHand == 0 ? 1 : shadowAt(at);  // smooth enough for one value per four pixels
   const uvec3 hash = pcg3d(uvec3(at, args.frame, args.seed));
   const uint p0 = bgr(seen(backdrop.x, hand.x, shadow), hash.x), p1 = bgr(seen(backdrop.y, hand.y, shadow), hash.x >> 16);
   const uint p2 = bgr(seen(backdrop.z, hand.z, shadow), hash.y), p3 = bgr(seen(backdrop.w, hand.w, shadow), hash.y >> 16);
 
   const uint word = camera.image_words + 3 * gl_GlobalInvocationID.x;
-  const uint words = min(3u, (3 * (pixels - first) + 3) / 4);  // of the last pixels, no word more than there is
+  const uint words = min(3u, (3 * (pixels - first) + 3) / 4);  // the last pixels write no word past the end
   args.images.at[word] = p0 | p1 << 24;
   if (words > 1) args.images.at[word + 1] = p1 >> 8 | p2 << 16;
   if (words > 2) args.images.at[word + 2] = p2 >> 16 | p3 << 8;

@@ -1,14 +1,14 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// A large light's shadow of the hand on the floor: every spot of the skin dims what lies behind it, softer from higher up.
+// A large light's shadow of the hand on the floor: every spot of the skin darkens what is behind it, more softly from higher up.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/synthetic/sensor_io.h"
 
 layout(local_size_x_id = 0) in;
 layout(push_constant, scalar) uniform Push { ShadowArgs args; };
 
-const float kStrength = 0.45;  // the light's share that the hand can take away
-const float kSoftness = 0.09;  // metres of blur a metre of height
+const float kStrength = 0.45;  // the fraction of the light that the hand can block
+const float kSoftness = 0.09;  // metres of blur per metre of height
 
 void main() {
   const uint cell = gl_GlobalInvocationID.x;
@@ -24,5 +24,5 @@ void main() {
     depth += args.spot_weight * exp(-0.5 * dot(off, off) / (blur * blur));
   }
   const float light = 1 - kStrength * (1 - exp(-depth));
-  args.shadow.at[cell] = pow(light, 1 / 2.2);  // about what sRGB makes of it
+  args.shadow.at[cell] = pow(light, 1 / 2.2);  // approximates the sRGB curve
 }
