@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The program `airclay`: one word chooses the command. Exit status: 0 done, 1 bad input or a failed
-// comparison, 2 wrong usage, 3 no usable Vulkan device; 128 + the signal when interrupted.
+// The program `airclay`; its first argument is the command. Exit status: 0 success, 1 bad input or a failed
+// comparison, 2 wrong usage, 3 no usable Vulkan device, 128 + N if signal N interrupted it.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -14,29 +14,30 @@ namespace airclay {
 namespace {
 
 constexpr const char* kExamples =
-    R"(  test                        build and run every test (the front door's: ./airclay test)
+    R"(  test                        build and run every test (in the source tree: ./airclay test)
 
 Examples:
   airclay demo                sculpt with the built-in cameras and hand, into out/demo
   airclay sculpt TAKE         sculpt from a recording, into out/sculpt
   airclay track TAKE --poses hand.tum
 
-`airclay COMMAND --help` says more of a command.)";
+`airclay COMMAND --help` describes a command.)";
 
-/// CLI11 would call a word that is no command an argument that was not expected.
+/// Reports an unknown command by its name; CLI11 would only report an unexpected argument.
 void checkCommand(const CLI::App& program, int argc, char** argv) {
   if (argc < 2)
-    throw Error("say what to do: `airclay demo`, or `airclay --help` for the list", Fault::kUsage);
-  const std::string word = argv[1];
-  if (word == "-h" || word == "--help" || word == "--version") return;
-  if (word.starts_with("-"))
-    throw Error("the command comes first, then its options: airclay COMMAND " + word, Fault::kUsage);
-  if (word == "test")
-    throw Error("`test` belongs to the front door: run ./airclay test in the checkout", Fault::kUsage);
+    throw Error("no command given; try `airclay demo`, or `airclay --help` for the list", Fault::kUsage);
+  const std::string name = argv[1];
+  if (name == "-h" || name == "--help" || name == "--version") return;
+  if (name.starts_with("-"))
+    throw Error("the command comes before its options: airclay COMMAND " + name, Fault::kUsage);
+  if (name == "test")
+    throw Error("`test` is a command of the ./airclay script: run ./airclay test in the source tree",
+                Fault::kUsage);
   const auto commands = program.get_subcommands([](const CLI::App*) { return true; });
   if (std::none_of(commands.begin(), commands.end(),
-                   [&](const CLI::App* c) { return c->get_name() == word; }))
-    throw Error("there is no command '" + word + "'; `airclay --help` lists those there are", Fault::kUsage);
+                   [&](const CLI::App* c) { return c->get_name() == name; }))
+    throw Error("unknown command '" + name + "'; `airclay --help` lists the commands", Fault::kUsage);
 }
 
 int run(int argc, char** argv) {
@@ -78,10 +79,10 @@ int run(int argc, char** argv) {
     checkCommand(program, argc, argv);
     program.parse(argc, argv);
     return status;
-  } catch (const CLI::Success& wanted) {  // --help, --version
-    return program.exit(wanted);
+  } catch (const CLI::Success& help_or_version) {
+    return program.exit(help_or_version);
   } catch (const CLI::ParseError& error) {
-    printWarning(error.what() + std::string("; `airclay ") + argv[1] + " --help` says more");
+    printWarning(error.what() + std::string("; `airclay ") + argv[1] + " --help` lists the options");
     return static_cast<int>(Fault::kUsage);
   }
 }
@@ -93,7 +94,7 @@ int main(int argc, char** argv) {
   try {
     const int status = airclay::run(argc, argv);
     if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return status;
-    throw airclay::Error(std::string("standard output cannot be written: ") + std::strerror(errno));
+    throw airclay::Error(std::string("cannot write to standard output: ") + std::strerror(errno));
   } catch (const airclay::Interrupted& interrupted) {
     airclay::printWarning("interrupted");
     return 128 + interrupted.signal;
@@ -101,7 +102,7 @@ int main(int argc, char** argv) {
     airclay::printWarning(error.what());
     return static_cast<int>(error.fault());
   } catch (const std::bad_alloc&) {
-    airclay::printWarning("out of memory; fewer voxels, a lower level or a smaller file would need less");
+    airclay::printWarning("out of memory; fewer voxels, a lower level or a smaller file need less");
   } catch (const std::exception& error) {
     airclay::printWarning(error.what());
   }

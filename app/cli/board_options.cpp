@@ -34,22 +34,23 @@ Board BoardOptions::board() const {
 }
 
 void addBoardOptions(CLI::App& command, BoardOptions& words) {
-  command.add_option("--squares", words.squares, "the board's squares along its width and its height [5x3]")
+  command
+      .add_option("--squares", words.squares, "number of squares along the board's width and height [5x3]")
       ->type_name("NxM");
   command
       .add_option("--square-mm", words.square_mm,
-                  "a square's edge in millimetres: as it was measured on the print, where there is one [54]")
+                  "edge of a square in millimetres, as measured on the print [54]")
       ->type_name("MM");
   command
       .add_option("--marker-mm", words.marker_mm,
-                  "a marker's edge in millimetres [about three quarters of the square: 40]")
+                  "edge of a marker in millimetres [about three quarters of the square: 40]")
       ->type_name("MM");
-  command.add_option("--dictionary", words.dictionary, "OpenCV's dictionary of markers [4X4_50]")
+  command.add_option("--dictionary", words.dictionary, "OpenCV marker dictionary [4X4_50]")
       ->type_name("NAME");
-  command.add_flag("--invert", words.invert, "the board's black and white are exchanged");
-  command.add_flag("--chessboard", words.chessboard, "a plain chessboard, without markers");
+  command.add_flag("--invert", words.invert, "swap black and white");
+  command.add_flag("--chessboard", words.chessboard, "use a plain chessboard, without markers");
   command.add_flag("--two-sided", words.two_sided,
-                   "the board's back bears it, too, mirrored, corner behind corner");
+                   "the back of the board has the mirrored pattern, corner behind corner");
 }
 
 std::string optionsOf(const Board& board) {

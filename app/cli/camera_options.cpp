@@ -31,11 +31,11 @@ std::vector<NamedSource> CameraOptions::sources() const {
     NamedSource source = parseNamedSource(words);
     if (std::any_of(sources.begin(), sources.end(),
                     [&](const NamedSource& other) { return other.name == source.name; }))
-      refuse("--camera", words, "the name is there already; another name");
+      refuse("--camera", words, "this camera name is already used; another name");
     sources.push_back(std::move(source));
   }
   if (sources.size() > kMaxCameras)
-    refuse("--camera", std::to_string(sources.size()) + " times", std::to_string(kMaxCameras) + " at most");
+    refuse("--camera", std::to_string(sources.size()) + " cameras", std::to_string(kMaxCameras) + " at most");
   return sources;
 }
 
@@ -86,26 +86,27 @@ void addCameraOptions(CLI::App& command, CameraOptions& words) {
   const auto one = [](CLI::Option* option) { option->allow_extra_args(false); };
   CLI::Option* camera = command.add_option(
       "--camera", words.cameras,
-      "a camera and where its images come from, once for each: a device number or /dev/videoN, a video "
-      "file, a folder or pattern of images (img_%04d.png), rtsp://... or http://..., or a GStreamer "
-      "pipeline (gst: ...)");
+      "camera name and image source, once per camera; the source is a device number, /dev/videoN, a video "
+      "file, a folder or pattern of images (img_%04d.png), rtsp://..., http://..., or a GStreamer pipeline "
+      "(gst: ...)");
   camera->type_name("NAME=SOURCE");
   one(camera);
-  command.add_option("--mode", words.mode, "the devices' size and rate [as they are]")->type_name("WxH@HZ");
-  command.add_option("--format", words.format, "the devices' pixel format: MJPG, YUYV [as they are]")
+  command.add_option("--mode", words.mode, "image size and frame rate of the devices [their current mode]")
+      ->type_name("WxH@HZ");
+  command
+      .add_option("--format", words.format, "pixel format of the devices: MJPG, YUYV [their current format]")
       ->type_name("CODE");
-  command.add_option("--exposure", words.exposure, "lock the devices' exposure; the driver's unit")
-      ->type_name("N");
-  command.add_option("--gain", words.gain, "lock the devices' gain; the driver's unit")->type_name("N");
+  command.add_option("--exposure", words.exposure, "lock the exposure, in the driver's unit")->type_name("N");
+  command.add_option("--gain", words.gain, "lock the gain, in the driver's unit")->type_name("N");
   CLI::Option* offset = command.add_option(
-      "--offset", words.offsets, "how many milliseconds a camera's times are too late, once for each [0]");
+      "--offset", words.offsets, "milliseconds by which a camera's timestamps are late, once per camera [0]");
   offset->type_name("NAME=MS");
   one(offset);
   command
       .add_option("--max-skew-ms", words.max_skew_ms,
-                  "the images of a set are at most so far apart [half a frame; recording: one]")
+                  "maximum time between the images of a set [half a frame; while recording: one frame]")
       ->type_name("MS");
-  command.add_flag("--loop", words.loop, "files begin anew at their end");
+  command.add_flag("--loop", words.loop, "restart files at their end");
 }
 
 }  // namespace airclay

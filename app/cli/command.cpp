@@ -38,15 +38,29 @@ void addCommonOptions(CLI::App& command, CommonOptions& options, Uses uses, bool
   };
   listedIf(command
                .add_option("--device", options.device,
-                           "Vulkan device: its number in `airclay devices`, or part of its name [the best]")
+                           "Vulkan device: a number from `airclay devices`, or part of a name [the fastest]")
                ->type_name("N|NAME"),
            uses != Uses::kNothing);
   listedIf(
-      command.add_option("--voxels", options.voxels, "voxels along the workspace's edge, 32 to 512 [128]")
+      command
+          .add_option("--voxels", options.voxels, "voxels along an edge of the workspace, 32 to 512 [128]")
           ->type_name("N"),
       uses == Uses::kDeviceAndVoxels);
-  command.add_flag("--quiet", options.quiet, "print nothing but warnings and faults");
-  if (json) command.add_flag("--json", options.json, "print the figures as one JSON object");
+  command.add_flag("--quiet", options.quiet, "print only warnings and errors");
+  if (json) command.add_flag("--json", options.json, "print the results as one JSON object");
+}
+
+void addDeprecatedName(CLI::App& command, const std::string& former_name, const std::string& option) {
+  CLI::Option* current = command.get_option(option);
+  const auto forward = [=](const std::string& value) {
+    printWarning(former_name + " is deprecated; use " + option);
+    current->add_result(value);
+    current->run_callback();  // CLI11 ran it before this one, without a value
+  };
+  const bool is_flag = current->get_items_expected_max() == 0;
+  CLI::Option* former = is_flag ? command.add_flag_callback(former_name, [forward] { forward("true"); })
+                                : command.add_option_function<std::string>(former_name, forward);
+  former->group("");
 }
 
 CommandGpu::CommandGpu(const CommonOptions& options) : Gpu(gpuOptions(options)) {}
@@ -78,7 +92,7 @@ void printTable(const std::vector<std::vector<std::string>>& rows) {
     for (std::size_t i = 0; i < rows[r].size(); ++i) {
       const std::string& cell = rows[r][i];
       const std::string padding(widths[i] - cell.size(), ' ');
-      // A head stands over its column: to the right where the first number below it does.
+      // A header aligns as the first cell below it.
       const bool right = isNumber(r == 0 && rows.size() > 1 ? rows[1][i] : cell);
       line += (i ? "  " : "") + (right ? padding + cell : cell + padding);
     }
@@ -108,8 +122,8 @@ Vec3 parsePoint(const std::string& option, const std::string& text) {
     start = end + 1;
   }
   if (values.size() != 3 || start <= text.size())
-    throw Error(option + " " + printable(text) + " is no place; X,Y,Z in metres would be right: " + option +
-                    " 0,0,0.05",
+    throw Error(option + " " + printable(text) +
+                    " is not a position; X,Y,Z in metres would be right: " + option + " 0,0,0.05",
                 Fault::kUsage);
   return {values[0], values[1], values[2]};
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the commands share: the options that every one of them takes, and how they print.
+// What all commands share: common options, and how to print results.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -15,57 +15,61 @@ class App;
 
 namespace airclay {
 
-/// Understood by every command, whether it needs them or not.
+/// Every command accepts these, whether it needs them or not.
 struct CommonOptions {
   std::string device;  ///< index or part of a name; empty: the best one
-  int voxels = 128;    ///< along the workspace's edge
+  int voxels = 128;    ///< along an edge of the workspace
   bool quiet = false;
   bool json = false;
 
-  /// Whether anything but the result is to be said.
+  /// False if only the result is printed.
   bool printsMessages() const { return !quiet && !json; }
 };
 
-/// Which of the common options mean something to a command; the others are accepted, but not listed.
+/// The common options that a command uses; it accepts the others, but does not list them.
 enum class Uses { kNothing, kDevice, kDeviceAndVoxels };
 
-/// Adds the common options to `command`, `--json` where it prints figures.
+/// Adds the common options to `command`; `--json` only if it prints results.
 void addCommonOptions(CLI::App& command, CommonOptions& options, Uses uses, bool json);
 
-/// The device that the options choose. In a debug build, and wherever AIRCLAY_VALIDATION is 1, the validation
-/// layer watches, and what it found is printed at the end.
+/// Keeps a renamed option's former name working: it is in no help text or completion, and prints one line
+/// that names `option`, then acts as `option`. Call it after `option` was added.
+void addDeprecatedName(CLI::App& command, const std::string& former_name, const std::string& option);
+
+/// The device that the options choose. Debug builds, and AIRCLAY_VALIDATION=1, enable the validation layer;
+/// the destructor prints its messages.
 class CommandGpu : public Gpu {
  public:
   explicit CommandGpu(const CommonOptions& options);
   ~CommandGpu();
 };
 
-/// One line on standard output, the result in words: not with --quiet or --json.
+/// Prints one line on standard output, unless --quiet or --json is given.
 void printLine(const CommonOptions& options, const std::string& line);
 
-/// One line on standard error, also with --quiet: the result is not what one would take it for.
+/// Prints one line on standard error, also with --quiet.
 void printWarning(const std::string& line);
 
-/// The one object of --json.
+/// Prints the result of --json.
 void printJson(const nlohmann::ordered_json& object);
 
-/// Columns as wide as their longest cell, the first row being the heads; numbers stand to the right.
+/// Prints aligned columns; the first row is the header. Numbers align right.
 void printTable(const std::vector<std::vector<std::string>>& rows);
 
-/// `value` with `digits` after the point.
+/// `value` with `digits` decimals.
 std::string fixed(double value, int digits);
 
 /// "1 camera", "4 cameras".
 std::string counted(std::size_t count, const std::string& thing);
 
-/// X,Y,Z, the value of `option`. \throw Error (Fault::kUsage)
+/// Parses X,Y,Z, the value of `option`. \throw Error (Fault::kUsage)
 Vec3 parsePoint(const std::string& option, const std::string& text);
 
-/// The words of a message in one line: anything else than printing characters becomes a space.
+/// `message` in one line: control characters become spaces.
 std::string oneLine(std::string message);
 
-// Each adds its command to the program. The command runs when its words have been read, and sets the exit
-// status unless it is 0.
+// Each adds one command to the program. The command runs after its options are parsed, and sets `status` if
+// the exit status is not 0.
 void addDemo(CLI::App& program, int& status);
 void addSculpt(CLI::App& program, int& status);
 void addTrack(CLI::App& program, int& status);

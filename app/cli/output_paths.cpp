@@ -16,7 +16,7 @@ void checkWritable(const std::filesystem::path& file) {
     throw Error(file.string() + ": cannot be written: it is a folder; name a file");
   const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
   if (!std::filesystem::is_directory(folder, ignored))
-    throw Error(file.string() + ": cannot be written: there is no folder " + folder.string());
+    throw Error(file.string() + ": cannot be written: no such folder: " + folder.string());
   const bool exists = std::filesystem::exists(file, ignored);
   if (access(folder.c_str(), W_OK) == 0 || (exists && access(file.c_str(), W_OK) == 0)) return;
   throw Error(file.string() + ": cannot be written: " + std::strerror(errno) +

@@ -68,7 +68,7 @@ Sight sightOfRig(const BoardCommandOptions& options) {
 std::optional<Sight> sightOf(const BoardCommandOptions& options) {
   const bool by_words = !options.resolution.empty() || options.distance_m != 0;
   if (!options.rig.empty() && by_words)
-    throw Error("--rig says the cameras' resolution and distance; leave out --resolution and --distance",
+    throw Error("--rig sets the cameras' resolution and distance; omit --resolution and --distance",
                 Fault::kUsage);
   if (!options.rig.empty()) return sightOfRig(options);
   if (!by_words) return std::nullopt;
@@ -164,15 +164,16 @@ void runBoard(const BoardCommandOptions& options) {
 void addSightOptions(CLI::App& command, BoardCommandOptions& options) {
   command
       .add_option("--resolution", options.resolution,
-                  "the cameras' images, with --distance: says whether they will be able to read the board")
+                  "image size of the cameras; with --distance, checks whether they can read the board")
       ->type_name("WxH");
-  command.add_option("--distance", options.distance_m, "how far from the cameras the board is held, metres")
+  command.add_option("--distance", options.distance_m, "distance from the cameras to the board, metres")
       ->type_name("M");
-  command.add_option("--fov", options.fov_degrees, "the cameras' horizontal field of view [60]")
+  command.add_option("--fov", options.fov_degrees, "horizontal field of view of the cameras [60]")
       ->type_name("DEG");
-  command.add_option("--rig", options.rig, "the same from a rig that is known already")
+  command
+      .add_option("--rig", options.rig, "take image size, field of view and distance from a calibrated rig")
       ->type_name("RIG.toml");
-  command.add_option("--units", options.units, "the rig's unit, where its file doesn't say: m or mm")
+  command.add_option("--units", options.units, "unit of a rig file that states none: m or mm")
       ->check(CLI::IsMember({"m", "mm"}).description(""))
       ->type_name("m|mm");
 }
@@ -180,16 +181,14 @@ void addSightOptions(CLI::App& command, BoardCommandOptions& options) {
 }  // namespace
 
 void addBoard(CLI::App& program, int&) {
-  CLI::App* command =
-      program.add_subcommand("board", "make a calibration board to print, and say whether it can be read");
+  CLI::App* command = program.add_subcommand(
+      "board", "make a calibration board to print, and check whether the cameras can read it");
   const auto options = std::make_shared<BoardCommandOptions>();
-  command->add_option("--out", options->out, "where it goes: the ending says the format, .pdf or .png")
-      ->type_name("FILE")
-      ->required();
-  command->add_option("--page", options->page, "the paper [a4]; fit: as large as the board needs")
+  command->add_option("--out", options->out, "output file, .pdf or .png")->type_name("FILE")->required();
+  command->add_option("--page", options->page, "paper size [a4]; fit: as large as the board needs")
       ->check(CLI::IsMember({"a4", "a3", "letter", "fit"}).description(""))
       ->type_name("a4|a3|letter|fit");
-  command->add_option("--dpi", options->dpi, "a PNG's pixels to the inch [300]")
+  command->add_option("--dpi", options->dpi, "resolution of a PNG in pixels per inch [300]")
       ->check(CLI::Range(20.0, 2400.0).description(""))
       ->type_name("N");
   addBoardOptions(*command, options->board);

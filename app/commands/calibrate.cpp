@@ -44,13 +44,13 @@ void print(const CalibrateOptions& options, const Calibration& found) {
     if (baseline.b == baseline.a + 1)
       apart += (apart.empty() ? "" : ", ") + cameras[static_cast<std::size_t>(baseline.a)].name + " - " +
                cameras[static_cast<std::size_t>(baseline.b)].name + " " + fixed(baseline.metres, 3) + " m";
-  printLine(options, "apart: " + apart);
-  printLine(options, "corners are off by " + fixed(found.rms_px, 2) + " px RMS; lengths on the board by " +
-                         describeScale(found) + "; the world is the board's of frame " +
-                         std::to_string(found.world_frame) +
+  printLine(options, "distances: " + apart);
+  printLine(options, "reprojection error " + fixed(found.rms_px, 2) +
+                         " px RMS; lengths on the board are off by " + describeScale(found) +
+                         "; the world origin is the board in frame " + std::to_string(found.world_frame) +
                          (options.live() || options.calibration.world_frame
                               ? ""
-                              : " (--world N names one that lies on the table)"));
+                              : " (--world N selects a frame in which it is flat on the table)"));
   printLine(options, describeOutput(options));
 }
 
@@ -79,8 +79,8 @@ Calibration madeOf(const CalibrateOptions& options, const Board& board, const st
   Calibration found = calibrate(board, views, options.calibration);
   found.warnings.insert(found.warnings.begin(), warnings.begin(), warnings.end());
   options.write(found, board,
-                "the world is the board's of frame " + std::to_string(found.world_frame) +
-                    "; --world, --center and --edge put the cube elsewhere");
+                "the world origin is the board in frame " + std::to_string(found.world_frame) +
+                    "; --world, --center and --edge move the workspace");
   return found;
 }
 
@@ -95,8 +95,9 @@ Calibration fromRecording(const CalibrateOptions& options, const Board& board,
 Calibration fromCameras(CalibrateOptions& options, const Board& board,
                         const std::vector<std::string>& warnings) {
   if (options.calibration.world_frame)
-    throw Error("--world has no place with --camera; W in the window takes the board that lies there then",
-                Fault::kUsage);
+    throw Error(
+        "--world does not apply to --camera; press W in the window while the board is flat on the table",
+        Fault::kUsage);
   LiveCameras cameras(options.cameras.live(options.cameras.sources()),
                       options.cameras.liveOptions(LiveOptions::Sets::kNewest));
   Calibration found;
@@ -124,14 +125,15 @@ void runCalibrate(CalibrateOptions options) {
 
 void addWorldOptions(CLI::App& command, CalibrateOptions& options) {
   CalibrationOptions& calibration = options.calibration;
-  addWorldOption(command, calibration.world_frame, "the first that all cameras see best");
+  addWorldOption(command, calibration.world_frame, "the frame that all cameras see best");
   command
       .add_option_function<std::string>(
           "--center",
           [&calibration](const std::string& text) { calibration.center = parsePoint("--center", text); },
-          "the cube's middle, metres, world [with --world half an edge above the board, else the origin]")
+          "center of the workspace in the world, metres [with --world, half an edge above the board; "
+          "otherwise the origin]")
       ->type_name("X,Y,Z");
-  command.add_option("--edge", calibration.edge_m, "the cube's edge, metres [0.6]")
+  command.add_option("--edge", calibration.edge_m, "edge of the workspace, metres [0.6]")
       ->check(CLI::Range(1e-3, 1e4).description(""))
       ->type_name("M");
 }
@@ -140,20 +142,20 @@ void addWorldOptions(CLI::App& command, CalibrateOptions& options) {
 
 void addCalibrate(CLI::App& program, int&) {
   CLI::App* command =
-      program.add_subcommand("calibrate", "find the cameras from a waved board, live or recorded");
+      program.add_subcommand("calibrate", "calibrate the cameras with a moving board, live or recorded");
   const auto options = std::make_shared<CalibrateOptions>();
   addCalibrationOptions(*command, *options);
   command
-      ->add_option(
-          "--lens", options->lens,
-          "auto [this]: as few distortion coefficients as explain the views; or so many; or a fisheye lens")
+      ->add_option("--lens", options->lens,
+                   "lens model: auto (default) picks the fewest distortion coefficients that explain the "
+                   "views; 5 or 8 coefficients; or fisheye")
       ->check(CLI::IsMember({"auto", "5", "8", "fisheye"}).description(""))
       ->type_name("auto|5|8|fisheye");
   addWorldOptions(*command, *options);
   command->footer(
       "Examples:\n  airclay calibrate --camera left=0 --camera right=2 --out rig.toml\n"
       "  airclay calibrate recording --out rig.toml --world 0\n"
-      "  airclay calibrate recording --squares 7x5 --square-mm 55 --marker-mm 41 --out rig.toml --picture "
+      "  airclay calibrate recording --squares 7x5 --square-mm 55 --marker-mm 41 --out rig.toml --image "
       "rig.png");
   command->callback([options] { runCalibrate(*options); });
 }

@@ -70,8 +70,9 @@ void CalibrationCommandOptions::collectLive(LiveCameras& running, const Board& o
     last = finishInTerminal(*this, calibration);
   }
   if (last.result.empty())
-    throw Error(last.fault.empty() ? "the window was closed before there was a rig; nothing was written"
-                                   : last.fault);
+    throw Error(last.fault.empty()
+                    ? "the window was closed before the calibration finished; nothing was written"
+                    : last.fault);
 }
 
 Board CalibrationCommandOptions::measuredBoard(std::vector<std::string>& warnings) const {
@@ -81,13 +82,13 @@ Board CalibrationCommandOptions::measuredBoard(std::vector<std::string>& warning
   if (ratio < 0.5 || ratio > 2)
     throw Error("--check-square-mm " + fixed(measured_square_mm, 2) + " is not the size of a square of " +
                     fixed(1000 * measured.square_m, 2) +
-                    " mm; the measured length of one square, in millimetres, would be right",
+                    " mm; the measured edge of one square, in millimetres, would be right",
                 Fault::kUsage);
   if (std::abs(ratio - 1) > kSameSize)
     warnings.push_back("the board was printed at " + fixed(100 * ratio, 1) + " %: its squares are " +
                        fixed(1000 * square_m, 2) + " mm, not " + fixed(1000 * measured.square_m, 2) +
-                       "; the rig is of the measured size, and --square-mm " + fixed(1000 * square_m, 2) +
-                       " says so from now on");
+                       "; the rig uses the measured size; pass --square-mm " + fixed(1000 * square_m, 2) +
+                       " from now on");
   measured.square_m = square_m;
   measured.marker_m *= ratio;
   return measured;
@@ -103,11 +104,11 @@ std::vector<CameraViews> CalibrationCommandOptions::findBoards(BoardRecording& r
 void CalibrationCommandOptions::check() const {
   if (take.empty() && !live())
     throw Error(
-        "say where the board is seen: a recording, TAKE, or cameras that run, --camera NAME=SOURCE for each, "
-        "would be right",
+        "no images of the board: a recording, TAKE, or live cameras, --camera NAME=SOURCE for each, would be "
+        "right",
         Fault::kUsage);
   if (!take.empty() && live())
-    throw Error("a recording and cameras that run cannot be had at once; TAKE or --camera would be right",
+    throw Error("a recording and live cameras exclude each other; either TAKE or --camera would be right",
                 Fault::kUsage);
   checkWritable(out);
   if (!image.empty()) checkWritable(image);
@@ -127,22 +128,28 @@ void CalibrationCommandOptions::write(const Calibration& found, const Board& of,
 void addCalibrationOptions(CLI::App& command, CalibrationCommandOptions& words) {
   command
       .add_option("TAKE", words.take,
-                  "the recording: a folder with a video NAME.mp4, .mkv or .avi, or images NAME/000000.png "
-                  "and on, of each camera; timestamps.csv is used where there is one; none with --camera")
+                  "recording: a folder with a video NAME.mp4, .mkv or .avi, or images NAME/000000.png, ..., "
+                  "per camera, and optionally timestamps.csv; omit it with --camera")
       ->type_name("");
   addCameraOptions(command, words.cameras);
-  command.add_flag("--headless", words.headless, "live: open no window, though there be a display");
-  command.add_option("--out", words.out, "where the calibrated rig goes")->type_name("RIG.toml")->required();
-  command.add_option("--picture", words.image, "where an image of the rig and what is left over goes")
+  command.add_flag("--headless", words.headless, "with --camera, run without a window");
+  command.add_option("--out", words.out, "output file for the calibrated rig")
+      ->type_name("RIG.toml")
+      ->required();
+  command
+      .add_option("--image", words.image, "output file for an image of the rig and the reprojection errors")
       ->type_name("FILE.png");
+  addDeprecatedName(command, "--picture", "--image");
   addBoardOptions(command, words.board);
   command
-      .add_option("--check-square-mm", words.measured_square_mm,
-                  "a square's edge as measured on the print: another size than --square-mm is said, and used")
+      .add_option(
+          "--check-square-mm", words.measured_square_mm,
+          "edge of a square as measured on the print; replaces --square-mm, with a warning if the two differ")
       ->check(CLI::PositiveNumber.description(""))
       ->type_name("MM");
   command
-      .add_option("--every", words.search.every, "look at every Nth frame [as many as make 150 of a camera]")
+      .add_option("--every", words.search.every,
+                  "search every Nth frame [chosen to search about 150 frames per camera]")
       ->check(CLI::Range(1, 1'000'000).description(""))
       ->type_name("N");
   addCommonOptions(command, words, Uses::kDevice, true);
@@ -150,11 +157,10 @@ void addCalibrationOptions(CLI::App& command, CalibrationCommandOptions& words) 
 
 void addWorldOption(CLI::App& command, std::optional<int>& frame, const std::string& otherwise) {
   command
-      .add_option(
-          "--world", frame,
-          "the frame in which the board lies on the table: its middle is the world's origin, z up, x along "
-          "its rows [" +
-              otherwise + "]")
+      .add_option("--world", frame,
+                  "frame in which the board is flat on the table: its center becomes the world origin, z up, "
+                  "x along its rows [" +
+                      otherwise + "]")
       ->check(CLI::NonNegativeNumber.description(""))
       ->type_name("N");
 }
@@ -175,7 +181,7 @@ std::string describeScale(const Calibration& found) {
 }
 
 std::string describeOutput(const CalibrationCommandOptions& words) {
-  return "rig in " + words.out + (words.image.empty() ? "" : ", and how it looks in " + words.image);
+  return "rig written to " + words.out + (words.image.empty() ? "" : ", image of the rig to " + words.image);
 }
 
 nlohmann::ordered_json scaleJson(const Calibration& found) {

@@ -61,9 +61,8 @@ Json devicesJson(const std::vector<V4l2Device>& devices) {
 void printDevices(const std::vector<V4l2Device>& devices) {
   if (devices.empty()) {
     std::puts(
-        "no camera device is here (nothing in /dev/video*); a video file, a folder of images, an rtsp:// "
-        "or "
-        "http:// address or a GStreamer pipeline can be a camera, too: airclay cameras --camera "
+        "no camera device found (nothing in /dev/video*); a video file, a folder of images, an rtsp:// or "
+        "http:// address or a GStreamer pipeline also works as a camera: airclay cameras --camera "
         "left=left.mp4");
     return;
   }
@@ -94,7 +93,7 @@ struct SetFigures {
 
 std::vector<std::vector<std::string>> tableOf(const std::vector<CameraStatus>& all) {
   std::vector<std::vector<std::string>> rows = {
-      {"CAMERA", "STATE", "HZ", "OF", "DROPS", "SKEW MS", "SIZE", "TIMES FROM", "LAST FAULT"}};
+      {"CAMERA", "STATE", "HZ", "OF", "DROPS", "SKEW MS", "SIZE", "TIMES FROM", "LAST ERROR"}};
   for (const CameraStatus& one : all)
     rows.push_back({one.name, wordsOn(one.state), fixed(one.measured_hz, 1), fixed(one.rate_hz, 1),
                     std::to_string(one.drops), fixed(1000 * one.skew_s, 1), sizeText(one.size),
@@ -144,7 +143,7 @@ std::string summary(const SetFigures& figures, const LiveCameras& cameras) {
   if (const std::optional<double> skew_s = cameras.refusedSkew())
     return "no set: the images are " + fixed(1000 * *skew_s, 1) + " ms apart, " +
            fixed(1000 * cameras.maxSkew(), 1) + " are allowed; --max-skew-ms " +
-           fixed(1000 * *skew_s + 1, 0) + " would do, cameras that run in step would be better";
+           fixed(1000 * *skew_s + 1, 0) + " accepts them; synchronized cameras would be better";
   return "no set yet";
 }
 
@@ -208,7 +207,7 @@ Json openEach(const CamerasOptions& options, const std::vector<NamedSource>& sou
 
 void runCameras(const CamerasOptions& options) {
   if (options.watch_s < 0)
-    throw Error("--watch takes a number of seconds above 0, or none: until Ctrl-C", Fault::kUsage);
+    throw Error("--watch must be a number of seconds above 0, or no number: until Ctrl-C", Fault::kUsage);
   if (!options.cameras.given()) {
     if (options.watches)
       throw Error("--watch needs cameras to watch; --camera left=0 --camera right=2 would be right",
@@ -227,15 +226,14 @@ void runCameras(const CamerasOptions& options) {
 
 void addCameras(CLI::App& program, int&) {
   CLI::App* command =
-      program.add_subcommand("cameras", "list camera devices and their modes, open cameras, watch them run");
+      program.add_subcommand("cameras", "list camera devices and their modes; open and watch cameras");
   const auto options = std::make_shared<CamerasOptions>();
   addCameraOptions(*command, options->cameras);
-  CLI::Option* watch =
-      command->add_option("--watch", options->watch_s,
-                          "show what the cameras see in a window, and how they run in a table "
-                          "a second [until Ctrl-C]");
+  CLI::Option* watch = command->add_option(
+      "--watch", options->watch_s,
+      "show the images in a window, and print a status table once per second [until Ctrl-C]");
   watch->type_name("SECONDS")->expected(0, 1);
-  command->add_flag("--headless", options->headless, "open no window, though there be a display");
+  command->add_flag("--headless", options->headless, "run without a window");
   addCommonOptions(*command, *options, Uses::kDevice, true);
   command->footer(
       "Examples:\n  airclay cameras\n"

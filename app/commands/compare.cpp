@@ -65,7 +65,8 @@ void addCompare(CLI::App& program, int& status) {
   const auto options = std::make_shared<CommonOptions>();
   addCommonOptions(*command, *options, Uses::kDevice, true);
   command->footer(
-      "On every usable device, or on the one that --device names. Exit status 1 past a tolerance.");
+      "Runs on every usable device, or on the one that --device names. The exit status is 1 if an error "
+      "exceeds its tolerance.");
   command->callback([options, &status] { runCompare(*options, status); });
 }
 

@@ -61,11 +61,11 @@ void runDevices(const CommonOptions& options) {
 }  // namespace
 
 void addDevices(CLI::App& program, int&) {
-  CLI::App* command = program.add_subcommand("devices", "list the Vulkan devices and what they lack");
+  CLI::App* command = program.add_subcommand("devices", "list the Vulkan devices and the features they lack");
   const auto options = std::make_shared<CommonOptions>();
   addCommonOptions(*command, *options, Uses::kNothing, true);
   command->footer(
-      "Exit status 3 when none is usable. The others take --device with a number or name from here.");
+      "The exit status is 3 if no device is usable. Pass a number or name from this list to --device.");
   command->callback([options] { runDevices(*options); });
 }
 

@@ -137,10 +137,10 @@ void runSet(const SetOptions& options) {
   }
   options.words.applyTo(state);
   if (sameClay(state, document.state()))
-    throw Error("set " + options.file +
-                    ": there is nothing to change; --levels, --rule, --solve or --clay with another value "
-                    "would be right",
-                Fault::kUsage);
+    throw Error(
+        "set " + options.file +
+            ": nothing to change; --levels, --rule, --solve or --clay with another value would be right",
+        Fault::kUsage);
   const Subdivision subdivision =
       subdivide(state.cage, state.levels, state.rule);  // refuses a level that is too high
   document.commit(!options.clay.empty() ? "Import " + std::filesystem::path(options.clay).filename().string()
@@ -166,11 +166,11 @@ void runTurn(const TurnOptions& options) {
 }
 
 void addFile(CLI::App& command, DocumentOptions& options) {
-  command.add_option("FILE", options.file, "the document, FILE.clay")->type_name("")->required();
+  command.add_option("FILE", options.file, "document, FILE.clay")->type_name("")->required();
 }
 
 void addCount(CLI::App& command, DocumentOptions& options, const std::string& verb) {
-  command.add_option("--count", options.count, "how many edits are " + verb + " [1]")
+  command.add_option("--count", options.count, "number of edits to " + verb + " [1]")
       ->check(CLI::Range(1, 1'000'000'000).description(""))
       ->type_name("N");
 }
@@ -178,12 +178,13 @@ void addCount(CLI::App& command, DocumentOptions& options, const std::string& ve
 }  // namespace
 
 void addNew(CLI::App& program, int&) {
-  CLI::App* command = program.add_subcommand("new", "start a document, which keeps the clay and every edit");
+  CLI::App* command =
+      program.add_subcommand("new", "create a document, which stores the clay and every edit");
   const auto options = std::make_shared<NewOptions>();
   addFile(*command, *options);
   command
       ->add_option("--clay", options->clay,
-                   "a preset: tube [this], cube, ball, slab, vase; or a cage in an OBJ")
+                   "a preset: tube (default), cube, ball, slab or vase; or an OBJ control cage")
       ->type_name("PRESET|FILE");
   addSubdivisionOptions(*command, options->words);
   addSolveOption(*command, options->words);
@@ -202,20 +203,20 @@ void addHistory(CLI::App& program, int&) {
 }
 
 void addUndo(CLI::App& program, int&) {
-  CLI::App* command = program.add_subcommand("undo", "take back edits of a document");
+  CLI::App* command = program.add_subcommand("undo", "undo edits of a document");
   const auto options = std::make_shared<DocumentOptions>();
   addFile(*command, *options);
-  addCount(*command, *options, "taken back");
+  addCount(*command, *options, "undo");
   addCommonOptions(*command, *options, Uses::kNothing, false);
   command->footer("Example:\n  airclay undo pot.clay --count 3");
   command->callback([options] { runUndo(*options); });
 }
 
 void addRedo(CLI::App& program, int&) {
-  CLI::App* command = program.add_subcommand("redo", "bring back edits that were taken back");
+  CLI::App* command = program.add_subcommand("redo", "redo edits of a document");
   const auto options = std::make_shared<DocumentOptions>();
   addFile(*command, *options);
-  addCount(*command, *options, "brought back");
+  addCount(*command, *options, "redo");
   addCommonOptions(*command, *options, Uses::kNothing, false);
   command->footer("Example:\n  airclay redo pot.clay --count 3");
   command->callback([options] { runRedo(*options); });
@@ -223,50 +224,50 @@ void addRedo(CLI::App& program, int&) {
 
 void addRefine(CLI::App& program, int&) {
   CLI::App* command = program.add_subcommand(
-      "refine", "make a document's control cage finer under the same surface, to add detail");
+      "refine", "refine a document's control cage without changing the surface, to add detail");
   const auto options = std::make_shared<DocumentOptions>();
   addFile(*command, *options);
   addCommonOptions(*command, *options, Uses::kNothing, false);
   command->footer(
-      "The points of the first subdivision become the control cage, and the level drops by one. At level 1 "
-      "it\n"
-      "stays 1, and the surface becomes one step finer.\n\nExample:\n  airclay refine pot.clay");
+      "The points of the first subdivision become the control cage, and the level drops by one. Level 1 "
+      "stays 1,\nand the surface becomes one level finer.\n\nExample:\n  airclay refine pot.clay");
   command->callback([options] { runRefine(*options); });
 }
 
 void addSet(CLI::App& program, int&) {
-  CLI::App* command =
-      program.add_subcommand("set", "change a document's level, rule or solve, or put another cage into it");
+  CLI::App* command = program.add_subcommand(
+      "set", "change a document's level, rule or solve method, or replace its control cage");
   const auto options = std::make_shared<SetOptions>();
   addFile(*command, *options);
-  command->add_option("--clay", options->clay, "a preset: tube, cube, ball, slab, vase; or a cage in an OBJ")
+  command
+      ->add_option("--clay", options->clay,
+                   "a preset: tube, cube, ball, slab or vase; or an OBJ control cage")
       ->type_name("PRESET|FILE");
   addSubdivisionOptions(*command, options->words, WhenOmitted::kKeep);
   addSolveOption(*command, options->words, WhenOmitted::kKeep);
   addCommonOptions(*command, *options, Uses::kNothing, false);
   command->footer(
-      "What is not given stays as it is; the change is an edit that can be undone.\n\n"
-      "Example:\n  airclay set pot.clay --levels 3 --solve touched");
+      "Settings without an option do not change. The change is an edit that can be undone.\n\nExample:\n  "
+      "airclay set pot.clay --levels 3 --solve touched");
   command->callback([options] { runSet(*options); });
 }
 
 void addTurn(CLI::App& program, int&) {
-  CLI::App* command = program.add_subcommand("turn", "turn a document's clay about an axis");
+  CLI::App* command = program.add_subcommand("turn", "rotate a document's clay about an axis");
   const auto options = std::make_shared<TurnOptions>();
   addFile(*command, *options);
-  command->add_option("--axis", options->axis, "x, y or z, of the world")
+  command->add_option("--axis", options->axis, "world axis: x, y or z")
       ->required()
       ->check(CLI::IsMember({"x", "y", "z"}).description(""))
       ->type_name("AXIS");
-  command->add_option("--degrees", options->degrees, "how far, right-handed")
+  command->add_option("--degrees", options->degrees, "angle in degrees, right-handed")
       ->required()
       ->check(CLI::Range(-360.0, 360.0).description(""))
       ->type_name("A");
   command
       ->add_option(
           "--about", options->about,
-          "where the axis passes: the workspace's centre for what the window does, metres, world [the "
-          "origin]")
+          "point on the axis in the world, metres; the studio uses the workspace's center [the origin]")
       ->type_name("X,Y,Z");
   addCommonOptions(*command, *options, Uses::kNothing, false);
   command->footer("Example:\n  airclay turn pot.clay --axis z --degrees 90");

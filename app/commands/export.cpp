@@ -48,8 +48,7 @@ std::string sizeOf(const MeshExport& written) {
 void runExport(const ExportOptions& options) {
   const bool cage_alone = options.what == "cage";
   if (cage_alone && options.words.levelsGiven())
-    throw Error("--levels is how often the surface is subdivided; leave it out with --what cage",
-                Fault::kUsage);
+    throw Error("--levels subdivides the surface; omit it with --what cage", Fault::kUsage);
   meshFormatOf(options.out);
   checkWritable(options.out);
   const MeshExport written = [&] {
@@ -72,22 +71,21 @@ void runExport(const ExportOptions& options) {
 }  // namespace
 
 void addExport(CLI::App& program, int&) {
-  CLI::App* command =
-      program.add_subcommand("export", "write clay for other programs: OBJ, PLY, STL, glTF binary");
+  CLI::App* command = program.add_subcommand("export", "export clay as OBJ, PLY, STL or glTF binary");
   const auto options = std::make_shared<ExportOptions>();
   command
-      ->add_option(
-          "CLAY", options->clay,
-          "the clay: an OBJ of polygons, its control cage, or a preset: tube, cube, ball, slab, vase")
+      ->add_option("CLAY", options->clay,
+                   "clay to export: a document, FILE.clay; an OBJ control cage; or a preset: tube, cube, "
+                   "ball, slab or vase")
       ->type_name("")
       ->required();
   command
       ->add_option("--out", options->out,
-                   "where it goes; the ending says the format: .obj and .ply (polygons, metres, z up), .stl "
-                   "(triangles, millimetres, z up) or .glb (triangles, metres, y up)")
+                   "output file; the extension selects the format: .obj or .ply (polygons, metres, z up), "
+                   ".stl (triangles, millimetres, z up) or .glb (triangles, metres, y up)")
       ->type_name("FILE")
       ->required();
-  command->add_option("--what", options->what, "the surface [this] or the control cage")
+  command->add_option("--what", options->what, "export the surface (default) or the control cage")
       ->check(CLI::IsMember({"surface", "cage"}).description(""))
       ->type_name("surface|cage");
   addSubdivisionOptions(*command, options->words);

@@ -30,9 +30,10 @@ void runFigures(const FigureOptions& options) {
 }  // namespace
 
 void addFigures(CLI::App& program, int&) {
-  CLI::App* command = program.add_subcommand("figures", "draw the paper's figures 1 to 6 from our own data");
+  CLI::App* command =
+      program.add_subcommand("figures", "draw figures 1 to 6 of the paper from synthetic data");
   const auto options = std::make_shared<FigureOptions>();
-  command->add_option("--out", options->out, "the folder that figure1.png to figure6.png go to")
+  command->add_option("--out", options->out, "output folder for figure1.png to figure6.png")
       ->type_name("DIR")
       ->required();
   addCommonOptions(*command, *options, Uses::kDeviceAndVoxels, false);

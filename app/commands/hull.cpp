@@ -49,15 +49,15 @@ void runHull(const HullOptions& options) {
 }  // namespace
 
 void addHull(CLI::App& program, int&) {
-  CLI::App* command = program.add_subcommand("hull", "carve one frame's visual hull and write it as points");
+  CLI::App* command =
+      program.add_subcommand("hull", "carve the visual hull of one frame and write it as points");
   const auto options = std::make_shared<HullOptions>();
   addTakeOptions(*command, options->take);
-  command->add_option("--frame", options->frame, "the frame, counted from 0, background included")
+  command->add_option("--frame", options->frame, "frame index, from 0, including the background frames")
       ->type_name("N")
       ->required();
   command
-      ->add_option("--out", options->out,
-                   "where the points go: the centres of the occupied voxels, world, metres")
+      ->add_option("--out", options->out, "output file for the centers of the occupied voxels, world, metres")
       ->type_name("FILE.ply")
       ->required();
   addCommonOptions(*command, *options, Uses::kDeviceAndVoxels, true);

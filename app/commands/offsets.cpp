@@ -66,8 +66,8 @@ void runOffsets(const OffsetsOptions& options) {
   Take take = options.take.open();
   if (take.cameraTimesOf(0).empty())
     throw Error(options.take.folder +
-                ": its cameras have no times of their own, so they cannot differ; a recording with "
-                "timestamps.csv, as `airclay record` makes it, would be right");
+                ": its cameras have no timestamps of their own; a recording with timestamps.csv, as `airclay "
+                "record` makes it, would be right");
   const ClockOffsets found = estimateClockOffsets(take.rig(), motionIn(options, take));
   nlohmann::ordered_json cameras = nlohmann::ordered_json::array();
   std::vector<std::vector<std::string>> rows = {{"CAMERA", "TOO LATE BY", "SURE TO"}};
@@ -81,21 +81,20 @@ void runOffsets(const OffsetsOptions& options) {
   }
   if (options.json) printJson({{"cameras", cameras}});
   if (options.printsMessages()) printTable(rows);
-  printLine(options, words.empty() ? "the cameras' clocks agree"
-                                   : "with cameras that run, the words that put them in step are:" + words);
+  printLine(options, words.empty() ? "the cameras' clocks agree" : "for live cameras, use:" + words);
 }
 
 }  // namespace
 
 void addOffsets(CLI::App& program, int&) {
-  CLI::App* command =
-      program.add_subcommand("offsets", "tell how far the cameras' clocks are apart, from a hand that moves");
+  CLI::App* command = program.add_subcommand(
+      "offsets", "estimate the offsets between the cameras' clocks from a moving hand");
   const auto options = std::make_shared<OffsetsOptions>();
   addTakeOptions(*command, options->take);
   addCommonOptions(*command, *options, Uses::kDeviceAndVoxels, true);
   command->footer(
-      "Move the hand freely about the cube for ten seconds, fast and slowly, then:\n"
-      "  airclay offsets TAKE\n  airclay record --rig rig.toml --offset left=12.5 ... --out TAKE2");
+      "Record a hand that moves through the whole workspace for ten seconds, fast and slowly, then:\n  "
+      "airclay offsets TAKE\n  airclay record --rig rig.toml --offset left=12.5 ... --out TAKE2");
   command->callback([options] { runOffsets(*options); });
 }
 

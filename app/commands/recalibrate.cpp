@@ -23,7 +23,7 @@ void keep(const RecalibrateOptions& options, const Board& board, Recalibration& 
   Calibration& calibration = found.calibration;
   calibration.warnings.insert(calibration.warnings.begin(), warnings.begin(), warnings.end());
   options.write(calibration, board,
-                "--world N, a frame in which the board lies on the table, puts the cube on it");
+                "--world N, a frame in which the board is flat on the table, puts the workspace on it");
 }
 
 /// \throw Error naming the recording, and the camera.
@@ -46,8 +46,9 @@ Recalibration recalibrateRecording(const RecalibrateOptions& options, const Rig&
 Recalibration recalibrateLive(const RecalibrateOptions& options, const Rig& rig, const Board& board,
                               const std::vector<std::string>& warnings) {
   if (options.recalibration.world_frame)
-    throw Error("--world has no place with --camera; W in the window takes the board that lies there then",
-                Fault::kUsage);
+    throw Error(
+        "--world does not apply to --camera; press W in the window while the board is flat on the table",
+        Fault::kUsage);
   const std::vector<NamedSource> sources = inOrderOf(rig, options.cameras.sources());
   LiveCameras cameras(options.cameras.live(sources), options.cameras.liveOptions(LiveOptions::Sets::kNewest));
   checkSizes(rig, cameras);
@@ -77,7 +78,7 @@ std::string worldWords(const RecalibrateOptions& options, const Recalibration& f
                            : moved.empty()   ? "no camera was moved"
                                              : "moved: " + moved;
   if (options.recalibration.world_frame)
-    return what + "; the world is the board's of frame " + std::to_string(found.calibration.world_frame);
+    return what + "; the world origin is the board in frame " + std::to_string(found.calibration.world_frame);
   return what + (found.world_kept ? "; the world is where it was, by " + still
                                   : "; where the world was is not known");
 }
@@ -96,8 +97,8 @@ void print(const RecalibrateOptions& options, const Recalibration& found) {
   }
   if (options.printsMessages()) printTable(rows);
   printLine(options, worldWords(options, found));
-  printLine(options, "corners are off by " + fixed(calibration.rms_px, 2) + " px RMS, with the old rig by " +
-                         fixed(found.rms_px_before, 2) + " px; lengths on the board by " +
+  printLine(options, "reprojection error " + fixed(calibration.rms_px, 2) + " px RMS, with the old rig " +
+                         fixed(found.rms_px_before, 2) + " px; lengths on the board are off by " +
                          describeScale(calibration));
   printLine(options, describeOutput(options));
 }
@@ -143,21 +144,20 @@ void runRecalibrate(RecalibrateOptions options) {
 
 void addRecalibrate(CLI::App& program, int&) {
   CLI::App* command =
-      program.add_subcommand("recalibrate", "put a rig right whose cameras were bumped, from a waved board");
+      program.add_subcommand("recalibrate", "correct a rig whose cameras were moved, with a moving board");
   const auto options = std::make_shared<RecalibrateOptions>();
   options->wanted = RequiredViews::forPlaces();
   command
       ->add_option(
           "RIG", options->rig,
-          "the rig as it was calibrated: its lenses are kept, and its world, by the cameras that did "
-          "not move")
+          "existing rig; its lenses are kept, and the cameras that did not move keep the world in place")
       ->type_name("")
       ->required();
   addCalibrationOptions(*command, *options);
   addWorldOption(*command, options->recalibration.world_frame, "the rig's");
   command->footer(
-      "Ten seconds are enough: hold the board still now and then where two cameras see it.\n"
-      "Example:\n  airclay recalibrate rig.toml recording --out rig2.toml");
+      "Ten seconds are enough. Hold the board still a few times where two cameras see it.\nExample:\n  "
+      "airclay recalibrate rig.toml recording --out rig2.toml");
   command->callback([options] { runRecalibrate(*options); });
 }
 

@@ -222,9 +222,9 @@ std::string Recorder::words() const {
 
 void checkWords(const RecordOptions& options) {
   if (!options.cameras.given())
-    throw Error("say which cameras: --camera NAME=SOURCE, once for each", Fault::kUsage);
+    throw Error("no cameras given: --camera NAME=SOURCE, once per camera, would be right", Fault::kUsage);
   if (options.background > 0 && options.background_s > 0)
-    throw Error("--background and --background-seconds say the same; one of them would be right",
+    throw Error("--background and --background-seconds exclude each other; one of them would be right",
                 Fault::kUsage);
   if (!(options.seconds >= 0 && options.seconds <= 86400 && options.background_s >= 0 &&
         options.background_s <= 60 && options.background >= 0 && options.background <= 10000))
@@ -249,10 +249,10 @@ void runRecord(const RecordOptions& options) {
   try {
     if (background > 0) {
       printLine(options,
-                "the empty workspace first: " + std::to_string(background) + " sets, keep out of it");
+                "recording the empty workspace: " + std::to_string(background) + " sets; keep out of it");
       recorder.takeBackground(background);
     }
-    if (options.seconds == 0) printLine(options, "recording; Ctrl-C ends it");
+    if (options.seconds == 0) printLine(options, "recording; press Ctrl-C to stop");
     recorder.run();
   } catch (const Interrupted&) {
     // how a recording without --seconds is ended
@@ -281,22 +281,22 @@ void runRecord(const RecordOptions& options) {
 
 void addRecord(CLI::App& program, int&) {
   CLI::App* command =
-      program.add_subcommand("record", "record a take from cameras, every image with its time");
+      program.add_subcommand("record", "record a take from live cameras, with a timestamp per image");
   const auto options = std::make_shared<RecordOptions>();
   command
       ->add_option("--rig", options->rig,
-                   "the calibrated cameras, by whose names --camera goes; without it, a recording to "
-                   "calibrate from")
+                   "calibration whose camera names --camera uses; omit it to record for calibration")
       ->type_name("RIG.toml");
   addCameraOptions(*command, options->cameras);
-  command->add_option("--out", options->out, "a new folder for the take")->type_name("TAKE")->required();
-  command->add_option("--seconds", options->seconds, "how long [until Ctrl-C]")->type_name("S");
+  command->add_option("--out", options->out, "new folder for the take")->type_name("TAKE")->required();
+  command->add_option("--seconds", options->seconds, "duration [until Ctrl-C]")->type_name("S");
   command
       ->add_option("--background", options->background,
-                   "the mean of the first N sets becomes background/NAME.png [none: the take's own first "
-                   "frames should be empty]")
+                   "average the first N sets into background/NAME.png [none: the take itself starts with the "
+                   "empty workspace]")
       ->type_name("N");
-  command->add_option("--background-seconds", options->background_s, "the same, in seconds")->type_name("S");
+  command->add_option("--background-seconds", options->background_s, "like --background, in seconds")
+      ->type_name("S");
   addCommonOptions(*command, *options, Uses::kNothing, true);
   command->footer(
       "Examples:\n  airclay record --rig rig.toml --camera left=0 --camera right=2 --background-seconds 2 "

@@ -355,7 +355,7 @@ std::string markdown(const CommandText& program) {
 }  // namespace
 
 void addReference(CLI::App& program, int&) {
-  CLI::App& command = *program.add_subcommand("reference", "print the reference of the command line");
+  CLI::App& command = *program.add_subcommand("reference", "print the command reference");
   command.group("");
   const auto format = std::make_shared<std::string>();
   command.add_option("format", *format, "man, bash, zsh, fish or markdown")->required();

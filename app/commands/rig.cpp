@@ -193,7 +193,7 @@ void printReport(const RigReport& report) {
         (finding.severity == Severity::kFault ? "fault: " : "suspicion: ") + whose + finding.what;
     std::puts(oneLine(line).c_str());
   }
-  if (report.findings.empty()) std::puts("nothing is wrong with it");
+  if (report.findings.empty()) std::puts("no problems found");
 }
 
 void runCheck(const CheckOptions& options, int& status) {
@@ -212,40 +212,40 @@ void runCheck(const CheckOptions& options, int& status) {
 
 void addRigOptions(CLI::App& command, RigOptions& options) {
   command
-      .add_option(
-          "RIG", options.rig,
-          "a rig's file: TOML of Airclay, Anipose, FreeMoCap, Pose2Sim or Caliscope, OpenCV's YAML of "
-          "EasyMocap or of a stereo calibration; or a folder with one")
+      .add_option("RIG", options.rig,
+                  "rig file: TOML of Airclay, Anipose, FreeMoCap, Pose2Sim or Caliscope; OpenCV YAML of "
+                  "EasyMocap or of a stereo calibration; or a folder that contains one")
       ->type_name("")
       ->required();
-  command.add_option("--units", options.units, "the rig's unit, where its file doesn't say: m or mm")
+  command.add_option("--units", options.units, "unit of a rig file that states none: m or mm")
       ->check(CLI::IsMember({"m", "mm"}).description(""))
       ->type_name("m|mm");
   command
       .add_option("--center", options.center,
-                  "the cube's centre in the rig's world, metres; auto: where the cameras look [the rig's]")
+                  "center of the workspace in the rig's world, metres; auto: the point the cameras look at "
+                  "[from the rig]")
       ->type_name("X,Y,Z|auto");
-  command.add_option("--edge", options.edge_m, "the cube's edge, metres [the rig's, else 0.6]")
+  command.add_option("--edge", options.edge_m, "edge of the workspace, metres [from the rig, otherwise 0.6]")
       ->check(CLI::Range(1e-3, 1e4).description(""))
       ->type_name("M");
 }
 
 void addConvert(CLI::App& rig) {
-  CLI::App* command = rig.add_subcommand("convert", "write a rig for another program, or another's for us");
+  CLI::App* command = rig.add_subcommand("convert", "convert a rig to another program's format, or from one");
   const auto options = std::make_shared<ConvertOptions>();
   addRigOptions(*command, *options);
   command
       ->add_option("--to", options->to,
-                   "whose form: airclay, anipose (FreeMoCap's, too), caliscope, pose2sim, easymocap")
+                   "output format: airclay, anipose (also FreeMoCap), caliscope, pose2sim or easymocap")
       ->check(CLI::IsMember({"airclay", "anipose", "caliscope", "pose2sim", "easymocap"}).description(""))
-      ->type_name("FORM")
+      ->type_name("FORMAT")
       ->required();
-  command->add_option("--out", options->out, "where it goes, in metres; for easymocap a folder")
+  command->add_option("--out", options->out, "output file, in metres; for easymocap an output folder")
       ->type_name("FILE|FOLDER")
       ->required();
   command
       ->add_option("--take", options->take,
-                   "the recording that says the images' sizes, where the rig doesn't [the rig's folder]")
+                   "recording to read image sizes from, for a rig without sizes [the rig's folder]")
       ->type_name("TAKE");
   addCommonOptions(*command, *options, Uses::kNothing, true);
   command->footer(
@@ -257,30 +257,31 @@ void addConvert(CLI::App& rig) {
 
 void addCheck(CLI::App& rig, int& status) {
   CLI::App* command =
-      rig.add_subcommand("check", "say all that is wrong with a rig, or with a rig and a recording");
+      rig.add_subcommand("check", "report all problems of a rig, or of a rig and a recording");
   const auto options = std::make_shared<CheckOptions>();
   addRigOptions(*command, *options);
   command
       ->add_option("TAKE", options->take,
-                   "a recording of it: sizes, names, and whether what the cameras saw agrees with the rig")
+                   "recording with this rig: check image sizes, names, and agreement of the silhouettes")
       ->type_name("");
   command
       ->add_option("--background", options->background_frames,
-                   "how many first frames show the empty workspace, where the take has no background/ [10], "
-                   "at most 256")
+                   "number of initial frames that show the empty workspace, 1 to 256, for a take without "
+                   "background/ [10]")
       ->check(CLI::Range(1, static_cast<int>(kMaxLearnFrames)).description(""))
       ->type_name("N");
   addCommonOptions(*command, *options, Uses::kNothing, true);
   command->footer(
-      "Exit status 1 where there is a fault; what is only suspicious is said.\n"
-      "Examples:\n  airclay rig check rig.toml\n  airclay rig check rig.toml TAKE --json");
+      "The exit status is 1 if the rig has errors; warnings are only printed.\nExamples:\n  airclay rig "
+      "check rig.toml\n  airclay rig check rig.toml TAKE --json");
   command->callback([options, &status] { runCheck(*options, status); });
 }
 
 }  // namespace
 
 void addRig(CLI::App& program, int& status) {
-  CLI::App* command = program.add_subcommand("rig", "check a rig, or convert it from and for other programs");
+  CLI::App* command =
+      program.add_subcommand("rig", "check a rig, or convert it from or to other programs' formats");
   command->require_subcommand(1);
   addConvert(*command);
   addCheck(*command, status);

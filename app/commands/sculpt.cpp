@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
-// `airclay sculpt` and `airclay demo`: the main job, from a recording or from the built-in cameras and hand.
+// `airclay sculpt` and `airclay demo`: sculpt from a recording, live cameras, the mouse, or synthetic
+// cameras.
 #include <unistd.h>
 #include <CLI/CLI.hpp>
 #include <ctime>
 #include <memory>
+#include <utility>
 
 #include "app/cli/camera_options.h"
 #include "app/cli/clay_options.h"
@@ -25,19 +27,19 @@ namespace {
 
 struct SculptOptions : CommonOptions {
   TakeInputOptions take;
-  ClayOptions words;
+  ClayOptions clay_options;
   std::string hand = "right", fit = "paper", clay = "tube", out = "out/sculpt", video;
   std::optional<Vec3> place;  ///< world, metres
-  double size_m = 0;          ///< 0: as it comes
+  double size_m = 0;          ///< 0: unchanged
   std::string rig, save, log, tool, symmetry;
   CameraOptions cameras;
   std::string record;
-  bool headless = false, unsteady = false, afresh = false;
-  std::vector<std::string> given;  ///< words on the command line that a replay has no use for
+  bool headless = false, unfiltered = false, ignore_actions = false;
+  std::vector<std::string> not_for_replay;  ///< given options that do not apply to a replay
 };
 
-/// The cage where and as large as it is wanted: --place moves the middle of its bounds, --size is their
-/// longest side. A preset without a place stands in the workspace's centre, a file where its coordinates say.
+/// The cage at its position and size: --place sets the center of its bounds, --size their longest side.
+/// Without --place, a preset is at the workspace's center, and a file's coordinates are kept.
 PolygonMesh placedCage(const SculptOptions& options, const Workspace& workspace) {
   PolygonMesh cage = loadCage(options.clay);
   Eigen::AlignedBox3d bounds;
@@ -57,7 +59,8 @@ PolygonMesh placedCage(const SculptOptions& options, const Workspace& workspace)
   }
   if (!inside)
     printWarning(
-        "the clay reaches outside the workspace, where no hand is seen; --place and --size put it inside");
+        "the clay reaches outside the workspace, where no hand is tracked; --place and --size move it "
+        "inside");
   return cage;
 }
 
@@ -71,7 +74,7 @@ SculptControls controlsFrom(const SculptOptions& options) {
   for (const char axis : options.symmetry) {
     if (axis != 'x' && axis != 'y' && axis != 'z')
       throw Error("--symmetry " + printable(options.symmetry) +
-                      " is none; x, y, z or several of them would be right: xy",
+                      " is not a set of axes; x, y, z or several of them would be right: xy",
                   Fault::kUsage);
     (axis == 'x' ? controls.symmetry.x : axis == 'y' ? controls.symmetry.y : controls.symmetry.z) = true;
   }
@@ -79,11 +82,11 @@ SculptControls controlsFrom(const SculptOptions& options) {
 }
 
 ClayState clayAtStart(const SculptOptions& options, const Workspace& workspace) {
-  return {placedCage(options, workspace), options.words.subdivisionRule(), options.words.levels,
-          options.words.solveMethod()};
+  return {placedCage(options, workspace), options.clay_options.subdivisionRule(), options.clay_options.levels,
+          options.clay_options.solveMethod()};
 }
 
-/// Where clay goes that was given no document: it is kept all the same.
+/// A new file for clay without a document.
 std::filesystem::path unsavedFile() {
   const std::time_t now = std::time(nullptr);
   char name[64];
@@ -98,12 +101,13 @@ bool namesDocument(const SculptOptions& options) {
   return !options.save.empty() || options.clay.ends_with(".clay");
 }
 
-/// The document that --clay and --save mean; else one among the unsaved.
+/// The document of --clay or --save; otherwise a new unsaved one.
 Document documentFrom(const SculptOptions& options, const Workspace& workspace) {
   if (options.clay.ends_with(".clay")) {
     if (options.place || options.size_m > 0)
-      throw Error("--place and --size are for presets and OBJ files; a document knows where its clay is",
-                  Fault::kUsage);
+      throw Error(
+          "--place and --size apply to presets and OBJ files; a document stores the position of its clay",
+          Fault::kUsage);
     Document opened = Document::open(options.clay);
     if (options.save.empty()) return opened;
     opened.saveAs(options.save);
@@ -115,11 +119,11 @@ Document documentFrom(const SculptOptions& options, const Workspace& workspace) 
   return Document::create(unsavedFile(), state, "New " + options.clay);
 }
 
-bool wantsWindow(const SculptOptions& options) {
+bool usesWindow(const SculptOptions& options) {
   return !options.headless && Window::possible();
 }
 
-/// Runs the studio; unsaved clay that nobody touched leaves nothing behind.
+/// Runs the studio. Removes an unsaved document without edits.
 void sculptInWindow(Gpu& gpu, const Session::Options& session, const SculptOptions& options,
                     const StudioOptions& studio) {
   Document document = documentFrom(options, session.rig.workspace);
@@ -129,18 +133,18 @@ void sculptInWindow(Gpu& gpu, const Session::Options& session, const SculptOptio
   if (Document::open(file).history().size() == 1)
     std::filesystem::remove(file);
   else
-    printLine(options, "the clay is kept in " + file.string());
+    printLine(options, "the clay is saved in " + file.string());
 }
 
-/// A document that is gone at the end: without a window nobody goes on with it.
-class PassingDocument {
+/// A temporary document, for runs without a window.
+class TemporaryDocument {
  public:
-  PassingDocument()
+  TemporaryDocument()
       : file_(std::filesystem::temp_directory_path() / ("airclay-" + std::to_string(::getpid()) + ".clay")) {
     std::error_code ignored;
     std::filesystem::remove(file_, ignored);
   }
-  ~PassingDocument() {
+  ~TemporaryDocument() {
     std::error_code ignored;
     std::filesystem::remove(file_, ignored);
   }
@@ -150,7 +154,7 @@ class PassingDocument {
   std::filesystem::path file_;
 };
 
-/// All that window and headless runs have in common.
+/// What runs with and without a window share.
 struct Job {
   Session::Options session;
   Sculpting sculpting;
@@ -175,87 +179,91 @@ Job jobFor(const SculptOptions& options, Recording* recording, const Rig& rig) {
   return job;
 }
 
-void sculptWithout(Gpu& gpu, Job& job, const SculptOptions& options, Document document) {
+void sculptWithoutWindow(Gpu& gpu, Job& job, const SculptOptions& options, Document document) {
   makeFolder(options.out);
   job.sculpting.clay = document.state();
-  job.session.settings.filtered = !options.unsteady;
+  job.session.settings.filtered = !options.unfiltered;
   sculptHeadless(gpu, job.session, job.sculpting, controlsFrom(options), std::move(document), options);
 }
 
 void sculptRecording(Gpu& gpu, const SculptOptions& options, Recording& recording) {
   const Workspace& workspace = recording.rig().workspace;
   Job job = jobFor(options, &recording, recording.rig());
-  if (wantsWindow(options)) {
+  if (usesWindow(options)) {
     sculptInWindow(gpu, job.session, options, {.forearm = job.sculpting.forearm, .log = options.log});
     return;
   }
-  const PassingDocument passing;
-  sculptWithout(gpu, job, options,
-                namesDocument(options) ? documentFrom(options, workspace)
-                                       : Document::create(passing.file(), clayAtStart(options, workspace)));
+  const TemporaryDocument temporary;
+  sculptWithoutWindow(gpu, job, options,
+                      namesDocument(options)
+                          ? documentFrom(options, workspace)
+                          : Document::create(temporary.file(), clayAtStart(options, workspace)));
 }
 
 void sculptTake(const SculptOptions& options) {
   Take take = options.take.open();
-  controlsFrom(options);  // refused before anything is opened
+  controlsFrom(options);  // checks the options before anything opens
   CommandGpu gpu(options);
   sculptRecording(gpu, options, take);
 }
 
-/// With cameras that run.
+/// With live cameras.
 void sculptLive(const SculptOptions& options) {
   if (!options.take.folder.empty())
-    throw Error("a recording and live cameras cannot be had at once; one of TAKE and --rig would be right",
+    throw Error("a recording and live cameras exclude each other; either TAKE or --rig would be right",
                 Fault::kUsage);
   if (options.rig.empty())
-    throw Error("live cameras want their calibration: --rig RIG.toml would be right", Fault::kUsage);
-  controlsFrom(options);  // refused before anything is opened
+    throw Error("live cameras need a calibration: --rig RIG.toml would be right", Fault::kUsage);
+  controlsFrom(options);  // checks the options before anything opens
   const Rig rig = readRig(options.rig, parseUnits(options.take.units));
-  CameraOptions words = options.cameras;
-  words.usual_size = ImageSize{rig.cameras[0].width, rig.cameras[0].height};
-  CommandGpu gpu(options);  // takes half a second, in which cameras would run for nobody
-  LiveRecording recording(rig, words.live(inOrderOf(rig, words.sources())),
-                          words.liveOptions(LiveOptions::Sets::kNewest), options.take.background_frames);
-  printLine(options, "keep hand and arm away until the empty workspace is learned");
+  CameraOptions cameras = options.cameras;
+  cameras.usual_size = ImageSize{rig.cameras[0].width, rig.cameras[0].height};
+  CommandGpu gpu(options);  // takes half a second; cameras must not run meanwhile
+  LiveRecording recording(rig, cameras.live(inOrderOf(rig, cameras.sources())),
+                          cameras.liveOptions(LiveOptions::Sets::kNewest), options.take.background_frames);
+  printLine(options, "keep hand and arm out of the workspace until the background is learned");
   sculptRecording(gpu, options, recording);
 }
 
-/// Without cameras: mouse and keys move a hand.
+/// Without cameras: mouse and keys move the hand.
 void sculptByMouse(const SculptOptions& options) {
-  if (!wantsWindow(options))
-    throw Error(
-        "say which recording: airclay sculpt TAKE; without one, the studio wants a display for its window",
-        Fault::kUsage);
+  if (!usesWindow(options) && options.clay.ends_with(".clay"))
+    throw Error("the studio needs a display; without a window, airclay sculpt TAKE --clay " + options.clay +
+                    " would be right",
+                Fault::kUsage);
+  if (!usesWindow(options))
+    throw Error("no recording given: airclay sculpt TAKE; without one, the studio needs a display",
+                Fault::kUsage);
   const Job job = jobFor(options, nullptr, demoRig());
   CommandGpu gpu(options);
   sculptInWindow(gpu, job.session, options, {.forearm = job.sculpting.forearm, .log = options.log});
 }
 
-/// The clay at the start of a recording, in a document of its own.
+/// A new document with the clay at the start of a recording.
 Document replayDocument(const SculptOptions& options, const std::filesystem::path& file) {
   if (std::filesystem::exists(file))
     throw Error(file.string() +
-                ": there is a document already; a new name for what the recording makes would be right");
-  std::error_code fault;
-  std::filesystem::copy_file(std::filesystem::path(options.take.folder) / kStartFile, file, fault);
-  if (fault)
+                ": the document exists already; a new name for the result of the replay would be right");
+  std::error_code error;
+  std::filesystem::copy_file(std::filesystem::path(options.take.folder) / kStartFile, file, error);
+  if (error)
     throw Error(options.take.folder + "/" + kStartFile + ": the clay at the start cannot be copied to " +
-                file.string() + ": " + fault.message());
+                file.string() + ": " + error.message());
   std::filesystem::permissions(file, std::filesystem::perms::owner_write, std::filesystem::perm_options::add);
   return Document::open(file);
 }
 
-/// What was recorded, once more: frames, wishes, clay.
+/// Replays recorded frames and actions.
 void replay(SculptOptions options) {
-  if (!options.given.empty())
-    throw Error(options.given.front() +
-                    " has no place in a replay, which knows it all; --afresh plays the images alone",
+  if (!options.not_for_replay.empty())
+    throw Error(options.not_for_replay.front() +
+                    " does not apply to a replay; --ignore-actions plays only the images",
                 Fault::kUsage);
   const std::filesystem::path folder = options.take.folder;
   const Replay replay{folder, readActions(folder / kActionsFile)};
   const ActionsHeader& head = replay.actions.head;
   if (!replay.actions.ended)
-    printWarning(folder.string() + ": the recording broke off; it is played as far as it goes");
+    printWarning(folder.string() + ": the recording is incomplete; the replay ends where it ends");
   options.voxels = head.voxels;
   const bool built_in = head.hand == "right" || head.hand == "left";
   options.hand = built_in ? head.hand : (folder / head.hand).string();
@@ -269,17 +277,28 @@ void replay(SculptOptions options) {
   Job job = jobFor(options, take ? &*take : nullptr, take ? take->rig() : readRig(folder / "rig.toml"));
   job.session.replay = &replay;
   CommandGpu gpu(options);
-  if (wantsWindow(options)) {
+  if (usesWindow(options)) {
     makeFolder(stateFolder());
     const std::filesystem::path file = options.save.empty() ? unsavedFile().string() : options.save;
     runStudio(gpu, job.session, replayDocument(options, file),
               {.forearm = job.sculpting.forearm, .log = options.log});
-    printLine(options, "the clay is kept in " + file.string());
+    printLine(options, "the clay is saved in " + file.string());
     return;
   }
-  const PassingDocument passing;
-  sculptWithout(gpu, job, options,
-                replayDocument(options, options.save.empty() ? passing.file().string() : options.save));
+  const TemporaryDocument temporary;
+  sculptWithoutWindow(
+      gpu, job, options,
+      replayDocument(options, options.save.empty() ? temporary.file().string() : options.save));
+}
+
+/// TAKE may also be a document: `airclay sculpt FILE.clay` is `airclay sculpt --clay FILE.clay`.
+void acceptDocumentAsTake(SculptOptions& options, bool clay_given) {
+  if (!options.take.folder.ends_with(".clay") || std::filesystem::is_directory(options.take.folder)) return;
+  if (clay_given)
+    throw Error(options.take.folder + ": a document, and --clay " + options.clay +
+                    " exclude each other; one of them would be right",
+                Fault::kUsage);
+  options.clay = std::exchange(options.take.folder, {});
 }
 
 void runSculpt(const SculptOptions& options) {
@@ -288,13 +307,13 @@ void runSculpt(const SculptOptions& options) {
   checkVoxels(options.voxels);
   if (options.take.folder.empty())
     sculptByMouse(options);
-  else if (hasActions(options.take.folder) && !options.afresh)
+  else if (hasActions(options.take.folder) && !options.ignore_actions)
     replay(options);
   else
     sculptTake(options);
 }
 
-/// The same job with the window looking on: it closes at the end.
+/// Runs the demo in a window, which closes at the end.
 void demoInWindow(Gpu& gpu, const Job& job, const SculptOptions& options) {
   std::optional<SculptResults> results;
   Session::Options session = job.session;
@@ -319,20 +338,20 @@ void runDemo(const SculptOptions& options) {
   Job job = jobFor(options, &recording, recording.rig());
   job.sculpting.video = job.sculpting.out / "demo.mp4";
   job.sculpting.clay = clayAtStart(options, recording.rig().workspace);
-  const PassingDocument passing;
-  if (wantsWindow(options))
+  const TemporaryDocument temporary;
+  if (usesWindow(options))
     demoInWindow(gpu, job, options);
   else
-    sculptWithout(gpu, job, options, Document::create(passing.file(), job.sculpting.clay));
+    sculptWithoutWindow(gpu, job, options, Document::create(temporary.file(), job.sculpting.clay));
 }
 
 void addOut(CLI::App& command, SculptOptions& options) {
-  command.add_option("--out", options.out, "the folder that the results go to [" + options.out + "]")
-      ->type_name("DIR");
+  command.add_option("--out", options.out, "folder for the results [" + options.out + "]")->type_name("DIR");
 }
 
 void addLog(CLI::App& command, SculptOptions& options) {
-  command.add_option("--log", options.log, "a line of JSON a second with what the window's status shows")
+  command
+      .add_option("--log", options.log, "write the window's status to FILE once per second, as JSON lines")
       ->type_name("FILE");
 }
 
@@ -340,76 +359,78 @@ void addLog(CLI::App& command, SculptOptions& options) {
 
 void addSculpt(CLI::App& program, int&) {
   CLI::App* command = program.add_subcommand(
-      "sculpt", "sculpt clay in the studio's window, with the hand of a recording or of the mouse");
+      "sculpt", "sculpt clay in the studio, with a hand from a recording, live cameras or the mouse");
   const auto options = std::make_shared<SculptOptions>();
   addTakeOptions(*command, options->take);
   command->get_option("TAKE")->required(false);  // the mouse's hand
   command
       ->add_option(
           "--clay", options->clay,
-          "a preset: tube [this], cube, ball, slab, vase; a cage in an OBJ; or a document, FILE.clay")
+          "a preset: tube (default), cube, ball, slab or vase; an OBJ control cage; or a document, FILE.clay")
       ->type_name("PRESET|FILE");
   command
       ->add_option_function<std::string>(
           "--place", [options](const std::string& text) { options->place = parsePoint("--place", text); },
-          "where the clay's middle stands: world, metres")
+          "center of the clay in the world, metres")
       ->type_name("X,Y,Z");
-  command->add_option("--size", options->size_m, "the clay's longest side in metres")
+  command->add_option("--size", options->size_m, "longest side of the clay, metres")
       ->check(CLI::Range(1e-4, 1e4).description(""))
       ->type_name("M");
-  addSubdivisionOptions(*command, options->words);
-  addSolveOption(*command, options->words);
+  addSubdivisionOptions(*command, options->clay_options);
+  addSolveOption(*command, options->clay_options);
   addHandOption(*command, options->hand);
   addFitOption(*command, options->fit);
-  command->add_flag("--headless", options->headless, "open no window, though there be a display");
-  command->add_option("--save", options->save, "the document that every stroke is kept in")
-      ->type_name("FILE.clay");
+  command->add_flag("--headless", options->headless, "run without a window");
+  command->add_option("--save", options->save, "document to save every stroke in")->type_name("FILE.clay");
   command
       ->add_option("--tool", options->tool,
-                   "without a window: " + toolUsage() + " [" + tools().front()->id + "]")
+                   "tool to use without a window: " + toolUsage() + " (default: " + tools().front()->id + ")")
       ->type_name("TOOL");
-  command->add_option("--symmetry", options->symmetry, "without a window: planes that are mirrored, as xy")
-      ->type_name("AXES");
-  command->add_flag("--unsteady", options->unsteady,
-                    "without a window: the hand as it is measured, without the filter");
   command
-      ->add_option("--record", options->record,
-                   "a new folder: the sets of images that are used, and all that is done, to be played again")
+      ->add_option("--symmetry", options->symmetry, "mirror planes to use without a window, for example xy")
+      ->type_name("AXES");
+  command->add_flag("--no-filter", options->unfiltered,
+                    "without a window, use the measured hand pose without temporal filtering");
+  command->add_option("--record", options->record, "record images and actions to a new folder, for replay")
       ->type_name("DIR");
-  command->add_flag("--afresh", options->afresh,
-                    "of such a recording, the images alone, without what was done at the time");
+  command->add_flag("--ignore-actions", options->ignore_actions,
+                    "use only the images of such a recording, not its actions");
+  addDeprecatedName(*command, "--unsteady", "--no-filter");
+  addDeprecatedName(*command, "--afresh", "--ignore-actions");
   addLog(*command, *options);
   addOut(*command, *options);
-  command->add_option("--video", options->video, "a video of it, too")->type_name("FILE.mp4");
-  command->add_option("--rig", options->rig, "live: the cameras' calibration")->type_name("RIG.toml");
+  command->add_option("--video", options->video, "also write a video")->type_name("FILE.mp4");
+  command->add_option("--rig", options->rig, "calibration of the live cameras")->type_name("RIG.toml");
   addCameraOptions(*command, options->cameras);
   addCommonOptions(*command, *options, Uses::kDeviceAndVoxels, false);
   command->footer(
-      "Examples:\n  airclay sculpt\n  airclay sculpt TAKE --clay vase --place 0,0,-0.05 --save vase.clay\n"
+      "Examples:\n  airclay sculpt\n  airclay sculpt vase.clay\n  airclay sculpt TAKE --clay vase --place "
+      "0,0,-0.05 --save vase.clay\n"
       "  airclay sculpt TAKE --clay cage.obj --size 0.25 --solve touched --out out/mine\n"
       "  airclay sculpt --rig rig.toml --camera left=0 --camera right=2\n"
       "  airclay sculpt TAKE --record mine; airclay sculpt mine --headless --out out/again");
   command->callback([options, command] {
-    for (const char* word : {"--clay", "--place", "--size", "--levels", "--rule", "--solve", "--hand",
-                             "--tool", "--symmetry", "--unsteady", "--voxels", "--background", "--record"})
-      if (command->count(word) > 0) options->given.push_back(word);
+    for (const char* name : {"--clay", "--place", "--size", "--levels", "--rule", "--solve", "--hand",
+                             "--tool", "--symmetry", "--no-filter", "--voxels", "--background", "--record"})
+      if (command->count(name) > 0) options->not_for_replay.push_back(name);
+    acceptDocumentAsTake(*options, command->count("--clay") > 0);
     runSculpt(*options);
   });
 }
 
 void addDemo(CLI::App& program, int&) {
-  CLI::App* command =
-      program.add_subcommand("demo", "sculpt with the built-in cameras and hand: nothing else is needed");
+  CLI::App* command = program.add_subcommand(
+      "demo", "sculpt with synthetic cameras and a scripted hand; needs no other input");
   const auto options = std::make_shared<SculptOptions>();
   options->out = "out/demo";
   addOut(*command, *options);
-  command->add_flag("--headless", options->headless, "open no window, though there be a display");
+  command->add_flag("--headless", options->headless, "run without a window");
   addLog(*command, *options);
   addCommonOptions(*command, *options, Uses::kDeviceAndVoxels, false);
   command->footer(
-      "A scripted hand before synthetic cameras presses the paper's clay; its true poses are known, so "
-      "the\n"
-      "errors are printed. Leaves surface.obj, cage.obj, poses.tum, images and demo.mp4.");
+      "A scripted hand in front of synthetic cameras presses the paper's clay. Its true poses are known, so "
+      "the\ncommand prints the tracking errors. Writes surface.obj, cage.obj, poses.tum, images and "
+      "demo.mp4.");
   command->callback([options] { runDemo(*options); });
 }
 

@@ -24,7 +24,7 @@ struct ServeOptions : CommonOptions {
   CameraOptions cameras;
   std::string address = "127.0.0.1";
   int port = 8554;
-  double for_s = 0;  ///< 0: until Ctrl-C, or the end of files
+  double seconds = 0;  ///< 0: until Ctrl-C, or the end of files
 };
 
 /// Says once, as it happens, that a camera froze, was lost or ended, and that it is back.
@@ -41,11 +41,11 @@ class Watcher {
       if (now == CameraState::kLive)
         line += "back";
       else if (now == CameraState::kEnded)
-        line += "over; with --loop it would begin anew";
+        line += "at its end; --loop restarts it";
       else if (now == CameraState::kLost && !camera.fault.empty())
-        line = camera.fault + "; it is opened again once a second, and the others go on";
+        line = camera.fault + "; reopening it once per second; the other cameras continue";
       else
-        line += std::string(wordsOn(now)) + "; the others go on";
+        line += std::string(wordsOn(now)) + "; the other cameras continue";
       printWarning(line);
     }
   }
@@ -64,8 +64,8 @@ void sayAddresses(const ServeOptions& options, const StreamServer& server) {
                            std::to_string(stream.camera.size.height) + " at " +
                            fixed(stream.camera.rate_hz, 2) + " Hz");
   if (options.address == "0.0.0.0" || options.address == "::")
-    printLine(options, "this machine's name or address goes in the place of " + options.address);
-  if (options.for_s == 0) printLine(options, "Ctrl-C ends it");
+    printLine(options, "replace this address by this machine's name or address: " + options.address);
+  if (options.seconds == 0) printLine(options, "press Ctrl-C to stop");
   std::fflush(stdout);  // who starts it from a script waits for these lines
   if (!options.address.starts_with("127.") && options.address != "::1")
     printWarning("anyone who reaches port " + std::to_string(server.port()) +
@@ -77,7 +77,7 @@ void sayAddresses(const ServeOptions& options, const StreamServer& server) {
 void run(const ServeOptions& options, const StreamServer& server, Progress& progress) {
   Watcher watcher;
   const Clock::time_point start = Clock::now();
-  while (!server.ended() && (options.for_s == 0 || secondsBetween(start, Clock::now()) < options.for_s)) {
+  while (!server.ended() && (options.seconds == 0 || secondsBetween(start, Clock::now()) < options.seconds)) {
     progress.reach(0);
     std::this_thread::sleep_for(kLookAgain);
     watcher.look(server.status());
@@ -100,8 +100,8 @@ Json figures(const std::vector<StreamStatus>& all) {
 
 void runServe(const ServeOptions& options) {
   if (!options.cameras.given())
-    throw Error("say which cameras: --camera NAME=SOURCE, once for each", Fault::kUsage);
-  if (!(options.for_s >= 0)) throw Error("--for takes a number of seconds above 0", Fault::kUsage);
+    throw Error("no cameras given: --camera NAME=SOURCE, once per camera, would be right", Fault::kUsage);
+  if (!(options.seconds >= 0)) throw Error("--seconds must be above 0", Fault::kUsage);
   const std::vector<NamedSource> sources = options.cameras.sources();
   Progress progress("serving", 1, false);
   const StreamServer server(sources, {options.address, options.port, options.cameras.sourceOptions()});
@@ -124,19 +124,20 @@ void runServe(const ServeOptions& options) {
 
 void addServe(CLI::App& program, int&) {
   CLI::App* command =
-      program.add_subcommand("serve", "stream this machine's cameras to Airclay on another one");
+      program.add_subcommand("serve", "stream this machine's cameras to Airclay on another machine");
   const auto options = std::make_shared<ServeOptions>();
   addCameraOptions(*command, options->cameras);
   for (const char* of_sets : {"--offset", "--max-skew-ms"})
     command->remove_option(command->get_option(of_sets));
   command
-      ->add_option(
-          "--address", options->address,
-          "where it listens, one of this machine's addresses [127.0.0.1: this machine alone; 0.0.0.0: "
-          "all that reach it can watch]")
+      ->add_option("--address", options->address,
+                   "address to listen on [127.0.0.1: only this machine can watch; 0.0.0.0: every machine "
+                   "that reaches this one can watch]")
       ->type_name("ADDRESS");
-  command->add_option("--port", options->port, "[8554]; 0: any that is free")->type_name("N");
-  command->add_option("--for", options->for_s, "how long [until Ctrl-C]")->type_name("SECONDS");
+  command->add_option("--port", options->port, "port to listen on [8554]; 0 picks a free port")
+      ->type_name("N");
+  command->add_option("--seconds", options->seconds, "duration [until Ctrl-C]")->type_name("S");
+  addDeprecatedName(*command, "--for", "--seconds");
   addCommonOptions(*command, *options, Uses::kNothing, true);
   command->footer(
       "Examples:\n  airclay serve --camera left=0 --camera right=2 --mode 640x480@30 --address 0.0.0.0\n"

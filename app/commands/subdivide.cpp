@@ -61,10 +61,12 @@ void runDeform(const DeformOptions& options) {
 void addCage(CLI::App& command, SubdivideOptions& options) {
   command
       .add_option("CAGE", options.cage,
-                  "the control cage: an OBJ of polygons, or a preset: tube, cube, ball, slab, vase")
+                  "control cage: an OBJ of polygons, or a preset: tube, cube, ball, slab or vase")
       ->type_name("")
       ->required();
-  command.add_option("--out", options.out, "where the surface goes")->type_name("SURFACE.obj")->required();
+  command.add_option("--out", options.out, "output file for the surface")
+      ->type_name("SURFACE.obj")
+      ->required();
   addSubdivisionOptions(command, options.clay);
 }
 
@@ -85,12 +87,12 @@ void addSubdivisionOptions(CLI::App& command, ClayOptions& words, WhenOmitted ot
   words.levels_option =
       command
           .add_option("--levels", words.levels,
-                      std::string("how often the cage is subdivided") + (marked ? " [2]" : ""))
+                      std::string("number of subdivisions of the cage") + (marked ? " [2]" : ""))
           ->type_name("N");
   words.rule_option = command
                           .add_option("--rule", words.rule,
-                                      std::string("how a vertex point is weighed: catmull-clark") +
-                                          (marked ? " [this]" : "") + " or printed, the paper's eq. (4)")
+                                      std::string("weights of a vertex point: catmull-clark") +
+                                          (marked ? " (default)" : "") + " or printed, eq. (4) of the paper")
                           ->check(CLI::IsMember({"catmull-clark", "printed"}).description(""))
                           ->type_name("RULE");
 }
@@ -100,7 +102,7 @@ void addSolveOption(CLI::App& command, ClayOptions& words, WhenOmitted otherwise
   std::string help = "data points to fit:";
   for (const SolveMethod* method : solveMethods()) {
     const bool is_default = ids.empty() && otherwise == WhenOmitted::kDefault;
-    help += (ids.empty() ? " " : "; ") + std::string(method->id) + (is_default ? " [default]" : "") + ", " +
+    help += (ids.empty() ? " " : "; ") + std::string(method->id) + (is_default ? " (default)" : "") + ", " +
             method->description;
     ids.push_back(method->id);
   }
@@ -110,8 +112,7 @@ void addSolveOption(CLI::App& command, ClayOptions& words, WhenOmitted otherwise
 }
 
 void addSubdivide(CLI::App& program, int&) {
-  CLI::App* command =
-      program.add_subcommand("subdivide", "subdivide a control cage into its surface, eq. (5)");
+  CLI::App* command = program.add_subcommand("subdivide", "subdivide a control cage into a surface, eq. (5)");
   const auto options = std::make_shared<SubdivideOptions>();
   addCage(*command, *options);
   addCommonOptions(*command, *options, Uses::kNothing, true);
@@ -123,18 +124,17 @@ void addSubdivide(CLI::App& program, int&) {
 
 void addDeform(CLI::App& program, int&) {
   CLI::App* command =
-      program.add_subcommand("deform", "move points of the surface and solve for the cage, eq. (6)-(8)");
+      program.add_subcommand("deform", "move surface points and solve for the control cage, eq. (6)-(8)");
   const auto options = std::make_shared<DeformOptions>();
   addCage(*command, *options);
   addSolveOption(*command, options->clay);
   command
       ->add_option("--moves", options->moves,
-                   "the moves: header index,x,y,z, then a data point (0-based, in the order that subdivide "
-                   "writes) and "
-                   "where it goes, metres")
+                   "CSV with header index,x,y,z: a data point (0-based, in the order that `airclay "
+                   "subdivide` writes) and its target position, metres")
       ->type_name("MOVES.csv")
       ->required();
-  command->add_option("--cage-out", options->cage_out, "where the new control cage goes")
+  command->add_option("--cage-out", options->cage_out, "output file for the new control cage")
       ->type_name("CAGE.obj")
       ->required();
   addCommonOptions(*command, *options, Uses::kNothing, true);

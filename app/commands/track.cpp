@@ -45,12 +45,13 @@ void runTrack(const TrackOptions& options) {
 }  // namespace
 
 void addHandOption(CLI::App& command, std::string& hand) {
-  command.add_option("--hand", hand, "right [this], left, or a skinned glTF binary with WebXR's joint names")
+  command
+      .add_option("--hand", hand, "right (default), left, or a skinned glTF binary with WebXR joint names")
       ->type_name("right|left|FILE.glb");
 }
 
 void addFitOption(CLI::App& command, std::string& fit) {
-  command.add_option("--fit", fit, "how the hand is fitted: paper [this], as published")
+  command.add_option("--fit", fit, "hand-fitting method: paper (default), as published")
       ->check(CLI::IsMember({"paper", "robust"}).description(""))
       ->type_name("FIT");
 }
@@ -61,14 +62,13 @@ void checkFit(const std::string& fit) {
 }
 
 void addTrack(CLI::App& program, int&) {
-  CLI::App* command =
-      program.add_subcommand("track", "follow the hand through a recording and write its poses");
+  CLI::App* command = program.add_subcommand("track", "track the hand in a recording and write its poses");
   const auto options = std::make_shared<TrackOptions>();
   addTakeOptions(*command, options->take);
   command
-      ->add_option(
-          "--poses", options->poses,
-          "where the poses go, a line a tracked frame: timestamp tx ty tz qx qy qz qw (world_from_hand)")
+      ->add_option("--poses", options->poses,
+                   "output file for the poses, one line per tracked frame: timestamp tx ty tz qx qy qz qw "
+                   "(world_from_hand)")
       ->type_name("OUT.tum")
       ->required();
   addHandOption(*command, options->hand);

@@ -15,17 +15,16 @@ RigUnits parseUnits(const std::string& word) {
 }
 
 void addTakeOptions(CLI::App& command, TakeInputOptions& words) {
-  command
-      .add_option("TAKE", words.folder, "the recording: a folder with rig.toml and videos, images or masks")
+  command.add_option("TAKE", words.folder, "recording: a folder with rig.toml and videos, images or masks")
       ->type_name("")
       ->required();
-  command.add_option("--units", words.units, "the rig's unit, where its file doesn't say: m or mm")
+  command.add_option("--units", words.units, "unit of a rig file that states none: m or mm")
       ->check(CLI::IsMember({"m", "mm"}).description(""))
       ->type_name("m|mm");
   command
       .add_option("--background", words.background_frames,
-                  "how many first frames show the empty workspace, where the take has no background/ [10], "
-                  "at most 256")
+                  "number of initial frames that show the empty workspace, 1 to 256, for a take without "
+                  "background/ [10]")
       ->check(CLI::Range(1, static_cast<int>(kMaxLearnFrames)).description(""))
       ->type_name("N");
 }

@@ -299,7 +299,7 @@ TEST_F(RecordingTest, theProgramWritesTheRig) {
     words.insert(words.end(), board.begin(), board.end());
     return runAirclay(words, options);
   };
-  const Ran ran = run({"--json", "--picture", image, "--world", "3", "--center", "0,0,0"});
+  const Ran ran = run({"--json", "--image", image, "--world", "3", "--center", "0,0,0"});
   ASSERT_EQ(ran.status, 0) << ran.errors;
   const nlohmann::json figures = nlohmann::json::parse(ran.output);
   EXPECT_LE(figures.at("rms_px").get<double>(), 0.35);

@@ -316,7 +316,7 @@ TEST(RecalibrateApp, WritesTheRigAndSaysWhichCameraMoved) {
                                  "--square-mm", "55", "--marker-mm", "41"});
     return runAirclay(words, options);
   };
-  const Ran ran = run(old, {"--json", "--picture", image});
+  const Ran ran = run(old, {"--json", "--image", image});
   ASSERT_EQ(ran.status, 0) << ran.errors;
   const json figures = json::parse(ran.output);
   EXPECT_LE(figures.at("rms_px").get<double>(), 0.35);

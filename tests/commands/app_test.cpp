@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The program's words, faults and files: what scripts rely on, without a hand to follow
-// (tests/commands/sculpt_app_test.cpp has one).
+// The program's options, errors and output files, as scripts rely on them. No test here tracks a hand;
+// tests/commands/sculpt_app_test.cpp does.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -142,6 +142,55 @@ TEST(App, WrongUsageIsStatusTwo) {
   expectRefused({"sculpt", "take", "--place", "1,2,3,4"}, 2, "--place 1,2,3,4");
   expectRefused({"sculpt", "take", "--place", "0,nan,0"}, 2, "--place 0,nan,0");
   expectRefused({"sculpt", "take", "--size", "-1"}, 2, "--size");
+}
+
+/// `words` print `deprecation` and then `error`.
+void expectDeprecated(const Words& words, const std::string& deprecation, const std::string& error) {
+  const Ran ran = runAirclay(words);
+  ASSERT_EQ(ran.errorLines().size(), 2u) << ran.errors;
+  EXPECT_EQ(ran.errorLines()[0], "airclay: " + deprecation);
+  EXPECT_NE(ran.errorLines()[1].find(error), std::string::npos) << ran.errors;
+}
+
+TEST(App, FormerOptionNamesActAsTheCurrentOnes) {
+  const TemporaryFolder folder;
+  const std::string take = folder.path().string();
+  folder.write("actions.txt", "not a list of actions\n");
+  expectRefused({"sculpt", take, "--headless"}, 1, "actions.txt");
+  expectRefused({"sculpt", take, "--headless", "--ignore-actions"}, 1, "rig.toml");
+  expectDeprecated({"sculpt", take, "--headless", "--afresh"}, "--afresh is deprecated; use --ignore-actions",
+                   "rig.toml");
+  expectDeprecated({"sculpt", take, "--headless", "--unsteady"}, "--unsteady is deprecated; use --no-filter",
+                   "--no-filter does not apply to a replay");
+  const std::string image = take + "/none/rig.png";
+  for (const Words& command : {Words{"calibrate", take}, Words{"recalibrate", "old.toml", take}}) {
+    Words words = command;
+    words.insert(words.end(), {"--out", take + "/rig.toml", "--picture", image});
+    expectDeprecated(words, "--picture is deprecated; use --image", image);
+  }
+  expectDeprecated({"serve", "--camera", "left=0", "--for", "-1"}, "--for is deprecated; use --seconds",
+                   "--seconds must be above 0");
+}
+
+TEST(App, FormerOptionNamesAreNotListed) {
+  std::string listed;
+  for (const char* command : {"sculpt", "calibrate", "recalibrate", "serve"})
+    listed += runAirclay({command, "--help"}).output;
+  for (const char* format : {"man", "bash", "zsh", "fish", "markdown"})
+    listed += runAirclay({"reference", format}).output;
+  for (const char* current : {"ignore-actions", "no-filter", "image FILE.png"})
+    EXPECT_NE(listed.find(current), std::string::npos) << current;
+  for (const char* former : {"afresh", "unsteady", "picture", "--for "})
+    EXPECT_EQ(listed.find(former), std::string::npos) << former;
+}
+
+TEST(App, SculptTakesADocumentInPlaceOfARecording) {
+  const TemporaryFolder folder;
+  const std::string document = folder / "pot.clay";
+  ASSERT_EQ(runAirclay({"new", document}).status, 0);
+  expectRefused({"sculpt", document, "--clay", "vase"}, 2, "exclude each other");
+  expectRefused({"sculpt", document, "--headless"}, 2, "airclay sculpt TAKE --clay " + document);
+  expectRefused({"sculpt", folder / "take", "--headless"}, 1, folder / "take");
 }
 
 TEST(App, DevicesAreListed) {

@@ -99,7 +99,7 @@ TEST(BoardApp, WhatIsWrongIsSaidInOneLine) {
     EXPECT_NE(ran.errors.find(says), std::string::npos) << ran.errors;
   };
   refused("board.jpg", {}, 2, ".pdf or .png");
-  refused("none/board.pdf", {}, 1, "there is no folder");
+  refused("none/board.pdf", {}, 1, "no such folder");
   refused("board.pdf", {"--squares", "5by3"}, 2, "--squares 5by3");
   refused("board.pdf", {"--squares", "2x2"}, 2, "--squares 2x2");
   refused("board.pdf", {"--squares", "7x5"}, 2, "--page a3");

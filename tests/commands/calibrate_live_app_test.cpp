@@ -171,7 +171,7 @@ TEST_F(CalibrateWindow, ClosedBeforeThereIsARigItSaysSo) {
   desktop.key("Escape");
   EXPECT_EQ(program->waitForExit(), 1);
   EXPECT_EQ(contentOf(folder / "errors"),
-            "airclay: the window was closed before there was a rig; nothing was written\n");
+            "airclay: the window was closed before the calibration finished; nothing was written\n");
   EXPECT_FALSE(std::filesystem::exists(out()));
 }
 

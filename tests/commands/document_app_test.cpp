@@ -170,7 +170,7 @@ TEST(DocumentApp, SetChangesWhatIsGivenAlone) {
   const json history = historyOf(file);
   EXPECT_EQ(history["entries"][1]["name"], "Level 3");
   EXPECT_EQ(history["entries"][2]["name"], "Import ball");
-  expectRefused({"set", file}, 2, "there is nothing to change");
+  expectRefused({"set", file}, 2, "nothing to change");
   expectRefused({"set", file, "--levels", "15"}, 1, "");
   EXPECT_TRUE(sameClay(Document::open(file).state(), expected));
 }

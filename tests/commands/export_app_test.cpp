@@ -104,7 +104,7 @@ TEST_F(ExportApp, RefusesInOneLine) {
       {{"export", "ball", "--levels", "99", "--out", at("a.stl")}, 1, "level"},
       {{"export", at("none.clay"), "--out", at("a.stl")}, 1, "none.clay"},
       {{"export", "bell", "--out", at("a.stl")}, 1, "bell"},
-      {{"export", "ball", "--out", at("none/a.stl")}, 1, "there is no folder"},
+      {{"export", "ball", "--out", at("none/a.stl")}, 1, "no such folder"},
       {{"export", "ball"}, 2, "--out"},
   };
   for (const auto& [words, status, expected] : cases) {

@@ -57,7 +57,7 @@ double farthestFrom(const HandScript& script, double until_s, const std::vector<
 TEST_F(LiveApp, CamerasThatRunAreSculptedWith) {
   const int frames = writeSmallTake(folder / "take", kUnhurried);
   Words words = live("take");
-  words.insert(words.end(), {"--out", at("out"), "--record", at("recorded"), "--unsteady"});
+  words.insert(words.end(), {"--out", at("out"), "--record", at("recorded"), "--no-filter"});
   const Ran ran = sculpt(words);
   ASSERT_EQ(ran.status, 0) << ran.errors;
   EXPECT_EQ(ran.errors, "");
@@ -123,7 +123,7 @@ TEST_F(LiveApp, WhatCannotBeIsOneLine) {
   refused({all.begin() + 2, all.end()}, 2, "--rig");
   refused({all.begin(), all.end() - 2}, 2, "has no source");
   refused(with(all, {"--camera", "other=" + at("take/other")}), 2, "no camera of this name");
-  refused(with(all, {at("take")}), 2, "at once");
+  refused(with(all, {at("take")}), 2, "exclude each other");
   Words gone = all;
   gone.back() = gone.back() + "-gone";
   refused(gone, 1, "-gone");

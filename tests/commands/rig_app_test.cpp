@@ -118,7 +118,7 @@ TEST(RigApp, AGoodRigPasses) {
   const Ran ran = runAirclay({"rig", "check", scene.file});
   EXPECT_EQ(ran.status, 0);
   EXPECT_EQ(ran.errors, "");
-  EXPECT_NE(ran.output.find("nothing is wrong"), std::string::npos) << ran.output;
+  EXPECT_NE(ran.output.find("no problems found"), std::string::npos) << ran.output;
   EXPECT_NE(ran.output.find("640 x 480"), std::string::npos) << ran.output;
 
   const Ran with_take = runAirclay({"rig", "check", scene.file, scene.take, "--json"});

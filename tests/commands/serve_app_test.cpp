@@ -252,7 +252,7 @@ TEST_F(ServeApp, ACameraThatIsLostIsNamedWhileTheOthersGoOn) {
   const auto left = openSource(server.source("left"));
   EXPECT_EQ(openSource(server.source("far"))->size(), (ImageSize{64, 48}));
   far.reset();
-  ASSERT_TRUE(waitUntil([&] { return server.errors().find("opened again") != std::string::npos; }));
+  ASSERT_TRUE(waitUntil([&] { return server.errors().find("reopening it") != std::string::npos; }));
   EXPECT_NE(server.errors().find("camera \"far\" (http://"), std::string::npos) << server.errors();
   const std::string message = messageOf([&] { openSource(server.source("far")); });
   EXPECT_NE(message.find("Service Unavailable"), std::string::npos) << message;
@@ -287,7 +287,7 @@ TEST_F(ServeApp, ItEndsAfterItsSecondsAndWithItsFiles) {
     EXPECT_EQ(ran.status, 0) << ran.errors;
     return json::parse(ran.output)["cameras"][0];
   };
-  const json some = figures({"--loop", "--for", "0.5"});
+  const json some = figures({"--loop", "--seconds", "0.5"});
   EXPECT_EQ(some["name"], "left");
   EXPECT_EQ(some["streamed"], 0);
   EXPECT_EQ(some["width"], kSize.width);
@@ -307,18 +307,18 @@ TEST_F(ServeApp, WhatCannotBeIsOneLine) {
   expectRefused({"cameras", "--camera", "a=" + server.address("nobody")}, 1, "Not Found (404)");
   expectRefused({"cameras", "--camera", "a=rtsp://127.0.0.1:9/left"}, 1, "no stream answers there");
   expectRefused({"serve", "--camera", left, "--port", port}, 2, "127.0.0.1:" + port);
-  expectRefused({"serve", "--camera", left, "--camera", left}, 2, "the name is there already");
+  expectRefused({"serve", "--camera", left, "--camera", left}, 2, "is already used");
   expectRefused({"serve", "--camera", left, "--address", "192.0.2.1"}, 2, "192.0.2.1");
   expectRefused({"serve", "--camera", left, "--address", "camera.example"}, 2, "camera.example");
   expectRefused({"serve", "--camera", left, "--port", "70000"}, 2, "70000");
-  expectRefused({"serve", "--camera", left, "--for", "-1"}, 2, "--for");
+  expectRefused({"serve", "--camera", left, "--seconds", "-1"}, 2, "--seconds");
   expectRefused({"serve", "--camera", "left=none.mp4", "--port", "0"}, 1, "camera \"left\" (none.mp4)");
   expectRefused({"serve"}, 2, "--camera");
 }
 
 TEST_F(ServeApp, OnANetworkItSaysWhoCanWatch) {
-  const Ran ran = runAirclay(
-      {"serve", "--camera", camera("left"), "--loop", "--address", "0.0.0.0", "--port", "0", "--for", "0.1"});
+  const Ran ran = runAirclay({"serve", "--camera", camera("left"), "--loop", "--address", "0.0.0.0", "--port",
+                              "0", "--seconds", "0.1"});
   EXPECT_EQ(ran.status, 0);
   ASSERT_EQ(ran.errorLines().size(), 1u) << ran.errors;
   EXPECT_NE(ran.errors.find("anyone who reaches port "), std::string::npos) << ran.errors;
