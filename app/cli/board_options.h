@@ -25,10 +25,10 @@ struct BoardOptions {
 };
 
 /// Whole numbers as written in "640x480". \throw Error (Fault::kUsage) naming the option.
-std::pair<int, int> parsePair(const std::string& option, const std::string& word);
+std::pair<int, int> parsePair(const std::string& option, const std::string& text);
 
 /// --squares, --square-mm, --marker-mm, --dictionary, --invert, --chessboard, --two-sided.
-void addBoardOptions(CLI::App& command, BoardOptions& words);
+void addBoardOptions(CLI::App& command, BoardOptions& options);
 
 /// The words that say it on the command line.
 std::string optionsOf(const Board& board);

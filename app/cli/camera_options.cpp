@@ -11,14 +11,14 @@
 namespace airclay {
 namespace {
 
-[[noreturn]] void refuse(const std::string& option, const std::string& words, const std::string& right) {
-  throw Error(option + " " + words + ": " + right + " would be right", Fault::kUsage);
+[[noreturn]] void refuse(const std::string& option, const std::string& value, const std::string& right) {
+  throw Error(option + " " + value + ": " + right + " would be right", Fault::kUsage);
 }
 
-ImageSize sizeOf(const std::string& words) {
-  const auto [width, height] = parsePair("--mode", words);
+ImageSize sizeOf(const std::string& text) {
+  const auto [width, height] = parsePair("--mode", text);
   if (std::min(width, height) < kMinImageSide || std::max(width, height) > kMaxImageSide)
-    refuse("--mode", words,
+    refuse("--mode", text,
            "sides from " + std::to_string(kMinImageSide) + " to " + std::to_string(kMaxImageSide));
   return {width, height};
 }
@@ -27,11 +27,11 @@ ImageSize sizeOf(const std::string& words) {
 
 std::vector<NamedSource> CameraOptions::sources() const {
   std::vector<NamedSource> sources;
-  for (const std::string& words : cameras) {
-    NamedSource source = parseNamedSource(words);
+  for (const std::string& text : cameras) {
+    NamedSource source = parseNamedSource(text);
     if (std::any_of(sources.begin(), sources.end(),
                     [&](const NamedSource& other) { return other.name == source.name; }))
-      refuse("--camera", words, "this camera name is already used; another name");
+      refuse("--camera", text, "this camera name is already used; another name");
     sources.push_back(std::move(source));
   }
   if (sources.size() > kMaxCameras)
@@ -59,15 +59,15 @@ SourceOptions CameraOptions::sourceOptions() const {
 std::vector<LiveCamera> CameraOptions::live(const std::vector<NamedSource>& sources) const {
   std::vector<LiveCamera> all;
   for (const NamedSource& source : sources) all.push_back(liveCamera(source, sourceOptions()));
-  for (const std::string& words : offsets) {
-    const std::size_t equals = words.find('=');
+  for (const std::string& text : offsets) {
+    const std::size_t equals = text.find('=');
     const auto found = std::find_if(all.begin(), all.end(), [&](const LiveCamera& camera) {
-      return camera.name == words.substr(0, equals);
+      return camera.name == text.substr(0, equals);
     });
     const std::optional<double> offset_ms =
-        equals == std::string::npos ? std::nullopt : parseNumber(words.substr(equals + 1));
+        equals == std::string::npos ? std::nullopt : parseNumber(text.substr(equals + 1));
     if (!offset_ms || found == all.end())
-      refuse("--offset", words, "NAME=MS with the name of a --camera, as left=12.5,");
+      refuse("--offset", text, "NAME=MS with the name of a --camera, as left=12.5,");
     found->offset_s = *offset_ms / 1000;
   }
   return all;
@@ -82,31 +82,34 @@ LiveOptions CameraOptions::liveOptions(LiveOptions::Sets sets) const {
   return options;
 }
 
-void addCameraOptions(CLI::App& command, CameraOptions& words) {
+void addCameraOptions(CLI::App& command, CameraOptions& options) {
   const auto one = [](CLI::Option* option) { option->allow_extra_args(false); };
   CLI::Option* camera = command.add_option(
-      "--camera", words.cameras,
+      "--camera", options.cameras,
       "camera name and image source, once per camera; the source is a device number, /dev/videoN, a video "
       "file, a folder or pattern of images (img_%04d.png), rtsp://..., http://..., or a GStreamer pipeline "
       "(gst: ...)");
   camera->type_name("NAME=SOURCE");
   one(camera);
-  command.add_option("--mode", words.mode, "image size and frame rate of the devices [their current mode]")
+  command.add_option("--mode", options.mode, "image size and frame rate of the devices [their current mode]")
       ->type_name("WxH@HZ");
   command
-      .add_option("--format", words.format, "pixel format of the devices: MJPG, YUYV [their current format]")
+      .add_option("--format", options.format,
+                  "pixel format of the devices: MJPG, YUYV [their current format]")
       ->type_name("CODE");
-  command.add_option("--exposure", words.exposure, "lock the exposure, in the driver's unit")->type_name("N");
-  command.add_option("--gain", words.gain, "lock the gain, in the driver's unit")->type_name("N");
-  CLI::Option* offset = command.add_option(
-      "--offset", words.offsets, "milliseconds by which a camera's timestamps are late, once per camera [0]");
+  command.add_option("--exposure", options.exposure, "lock the exposure, in the driver's unit")
+      ->type_name("N");
+  command.add_option("--gain", options.gain, "lock the gain, in the driver's unit")->type_name("N");
+  CLI::Option* offset =
+      command.add_option("--offset", options.offsets,
+                         "milliseconds by which a camera's timestamps are late, once per camera [0]");
   offset->type_name("NAME=MS");
   one(offset);
   command
-      .add_option("--max-skew-ms", words.max_skew_ms,
+      .add_option("--max-skew-ms", options.max_skew_ms,
                   "maximum time between the images of a set [half a frame; while recording: one frame]")
       ->type_name("MS");
-  command.add_flag("--loop", words.loop, "restart files at their end");
+  command.add_flag("--loop", options.loop, "restart files at their end");
 }
 
 }  // namespace airclay

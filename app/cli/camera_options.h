@@ -34,6 +34,6 @@ struct CameraOptions {
 };
 
 /// --camera, --mode, --format, --exposure, --gain, --offset, --max-skew-ms, --loop.
-void addCameraOptions(CLI::App& command, CameraOptions& words);
+void addCameraOptions(CLI::App& command, CameraOptions& options);
 
 }  // namespace airclay

@@ -35,9 +35,9 @@ struct ClayOptions {
 enum class WhenOmitted { kDefault, kKeep };
 
 /// --levels and --rule.
-void addSubdivisionOptions(CLI::App& command, ClayOptions& words,
+void addSubdivisionOptions(CLI::App& command, ClayOptions& options,
                            WhenOmitted otherwise = WhenOmitted::kDefault);
 /// --solve.
-void addSolveOption(CLI::App& command, ClayOptions& words, WhenOmitted otherwise = WhenOmitted::kDefault);
+void addSolveOption(CLI::App& command, ClayOptions& options, WhenOmitted otherwise = WhenOmitted::kDefault);
 
 }  // namespace airclay

@@ -21,9 +21,9 @@ struct BoardCommandOptions : CommonOptions {
   BoardOptions board;
 };
 
-Page pageOf(const std::string& word) {
+Page pageOf(const std::string& name) {
   for (const Page page : {Page::kA4, Page::kA3, Page::kLetter})
-    if (word == nameOf(page)) return page;
+    if (name == nameOf(page)) return page;
   return Page::kFit;
 }
 
@@ -33,7 +33,7 @@ struct Sight {
   std::string camera;  ///< "a 640 x 480 camera at 1.1 m"
 };
 
-Sight sightByWords(const BoardCommandOptions& options) {
+Sight sightFromOptions(const BoardCommandOptions& options) {
   const auto [width, height] = parsePair("--resolution", options.resolution);
   if (!(options.distance_m > 0 && options.distance_m <= 1000))
     throw Error("--distance " + fixed(options.distance_m, 2) + ": metres, more than 0, would be right",
@@ -66,16 +66,16 @@ Sight sightOfRig(const BoardCommandOptions& options) {
 }
 
 std::optional<Sight> sightOf(const BoardCommandOptions& options) {
-  const bool by_words = !options.resolution.empty() || options.distance_m != 0;
-  if (!options.rig.empty() && by_words)
+  const bool by_options = !options.resolution.empty() || options.distance_m != 0;
+  if (!options.rig.empty() && by_options)
     throw Error("--rig sets the cameras' resolution and distance; omit --resolution and --distance",
                 Fault::kUsage);
   if (!options.rig.empty()) return sightOfRig(options);
-  if (!by_words) return std::nullopt;
+  if (!by_options) return std::nullopt;
   if (options.resolution.empty() || options.distance_m == 0)
     throw Error("--resolution and --distance go together, as in --resolution 640x480 --distance 1.1",
                 Fault::kUsage);
-  return sightByWords(options);
+  return sightFromOptions(options);
 }
 
 /// What was found out about the cameras.
@@ -93,8 +93,8 @@ Verdict judge(const Board& board, const Sight& sight, Page page) {
   return verdict;
 }
 
-void sayVerdict(const BoardCommandOptions& options, const Board& board, const Sight& sight,
-                const Verdict& verdict) {
+void printVerdict(const BoardCommandOptions& options, const Board& board, const Sight& sight,
+                  const Verdict& verdict) {
   const std::string cell = board.chessboard ? "a square" : "a marker's cell";
   const std::string least = fixed(leastCellPixels(board), 0);
   printLine(options, "To " + sight.camera + ", " + cell + " has " + fixed(verdict.cell_px, 1) +
@@ -123,7 +123,7 @@ nlohmann::ordered_json jsonOf(const Board& board, Page page) {
   return json;
 }
 
-void printVerdict(nlohmann::ordered_json json, const std::optional<Verdict>& verdict) {
+void printVerdictJson(nlohmann::ordered_json json, const std::optional<Verdict>& verdict) {
   if (verdict) {
     json["cell_px"] = verdict->cell_px;
     json["readable"] = verdict->readable;
@@ -150,7 +150,7 @@ void runBoard(const BoardCommandOptions& options) {
     writeBoardPng(options.out, sheet, options.dpi);
 
   const std::optional<Verdict> verdict = sight ? std::optional(judge(board, *sight, page)) : std::nullopt;
-  if (options.json) printVerdict(jsonOf(board, page), verdict);
+  if (options.json) printVerdictJson(jsonOf(board, page), verdict);
   printLine(options, "A board of " + describe(board) + ", in " + options.out + ", on a page of " +
                          fixed(1000 * sheet.width_m, 0) + " x " + fixed(1000 * sheet.height_m, 0) + " mm.");
   printLine(
@@ -158,7 +158,7 @@ void runBoard(const BoardCommandOptions& options) {
       "Print it at 100 %, without scaling (\"actual size\"). Measure the line below it: it must be 100 mm "
       "long. If it isn't, measure a square and say so with --square-mm.");
   printLine(options, "Glue it on something flat and stiff: a bent board bends the calibration.");
-  if (sight) sayVerdict(options, board, *sight, *verdict);
+  if (sight) printVerdict(options, board, *sight, *verdict);
 }
 
 void addSightOptions(CLI::App& command, BoardCommandOptions& options) {

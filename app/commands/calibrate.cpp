@@ -17,10 +17,10 @@ struct CalibrateOptions : CalibrationCommandOptions {
   CalibrationOptions calibration;
 };
 
-LensChoice lensFrom(const std::string& word) {
-  if (word == "5") return LensChoice::kFive;
-  if (word == "8") return LensChoice::kEight;
-  return word == "fisheye" ? LensChoice::kFisheye : LensChoice::kAuto;
+LensChoice lensFrom(const std::string& name) {
+  if (name == "5") return LensChoice::kFive;
+  if (name == "8") return LensChoice::kEight;
+  return name == "fisheye" ? LensChoice::kFisheye : LensChoice::kAuto;
 }
 
 void print(const CalibrateOptions& options, const Calibration& found) {
@@ -39,12 +39,13 @@ void print(const CalibrateOptions& options, const Calibration& found) {
                         (coefficients == 1 ? " coefficient" : " coefficients")});
   }
   if (options.printsMessages()) printTable(rows);
-  std::string apart;
+  std::string distances;
   for (const Baseline& baseline : found.baselines)
     if (baseline.b == baseline.a + 1)
-      apart += (apart.empty() ? "" : ", ") + cameras[static_cast<std::size_t>(baseline.a)].name + " - " +
-               cameras[static_cast<std::size_t>(baseline.b)].name + " " + fixed(baseline.metres, 3) + " m";
-  printLine(options, "distances: " + apart);
+      distances += (distances.empty() ? "" : ", ") + cameras[static_cast<std::size_t>(baseline.a)].name +
+                   " - " + cameras[static_cast<std::size_t>(baseline.b)].name + " " +
+                   fixed(baseline.metres, 3) + " m";
+  printLine(options, "distances: " + distances);
   printLine(options, "reprojection error " + fixed(found.rms_px, 2) +
                          " px RMS; lengths on the board are off by " + describeScale(found) +
                          "; the world origin is the board in frame " + std::to_string(found.world_frame) +
@@ -74,8 +75,8 @@ nlohmann::ordered_json jsonOf(const Calibration& found) {
           {"baselines", baselines}, {"world_frame", found.world_frame},   {"warnings", found.warnings}};
 }
 
-Calibration madeOf(const CalibrateOptions& options, const Board& board, const std::vector<CameraViews>& views,
-                   const std::vector<std::string>& warnings) {
+Calibration calibrateViews(const CalibrateOptions& options, const Board& board,
+                           const std::vector<CameraViews>& views, const std::vector<std::string>& warnings) {
   Calibration found = calibrate(board, views, options.calibration);
   found.warnings.insert(found.warnings.begin(), warnings.begin(), warnings.end());
   options.write(found, board,
@@ -89,7 +90,7 @@ Calibration fromRecording(const CalibrateOptions& options, const Board& board,
   BoardRecording recording(options.take);
   const std::vector<CameraViews> views = options.findBoards(recording, board, warnings);
   const ProgressTask progress("calibrating", options.printsMessages());
-  return madeOf(options, board, views, warnings);
+  return calibrateViews(options, board, views, warnings);
 }
 
 Calibration fromCameras(CalibrateOptions& options, const Board& board,
@@ -103,7 +104,7 @@ Calibration fromCameras(CalibrateOptions& options, const Board& board,
   Calibration found;
   options.collectLive(cameras, board, [&](const std::vector<CameraViews>& views, std::optional<int> world) {
     options.calibration.world_frame = world;
-    found = madeOf(options, board, views, warnings);
+    found = calibrateViews(options, board, views, warnings);
     return resultLines(found, options);
   });
   return found;

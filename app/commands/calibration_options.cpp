@@ -22,29 +22,29 @@ constexpr auto kLookS = std::chrono::milliseconds(50);
 constexpr double kAdviceStaysS = 2;
 
 /// Until there is enough, the files are over, or Ctrl-C says that it is; advice is printed when it changes.
-void collectInTerminal(const CalibrationCommandOptions& words, LiveCalibration& calibration) {
-  std::string said;
-  Clock::time_point said_at{};
+void collectInTerminal(const CalibrationCommandOptions& options, LiveCalibration& calibration) {
+  std::string printed;
+  Clock::time_point printed_at{};
   try {
-    Progress progress("collecting views", 100, words.printsMessages());
+    Progress progress("collecting views", 100, options.printsMessages());
     for (;;) {
       std::this_thread::sleep_for(kLookS);
       const LiveCalibration::State state = calibration.state();
       progress.reach(state.share);
       if (state.enough || state.ended) return;
-      if (state.advice == said || secondsBetween(said_at, Clock::now()) < kAdviceStaysS) continue;
-      said = state.advice;
-      said_at = Clock::now();
-      if (!said.empty()) printLine(words, said);
+      if (state.advice == printed || secondsBetween(printed_at, Clock::now()) < kAdviceStaysS) continue;
+      printed = state.advice;
+      printed_at = Clock::now();
+      if (!printed.empty()) printLine(options, printed);
     }
   } catch (const Interrupted&) {  // that is enough
   }
 }
 
-LiveCalibration::State finishInTerminal(const CalibrationCommandOptions& words,
+LiveCalibration::State finishInTerminal(const CalibrationCommandOptions& options,
                                         LiveCalibration& calibration) {
   calibration.finish();
-  Progress progress("making the rig", 100, words.printsMessages());
+  Progress progress("making the rig", 100, options.printsMessages());
   for (;;) {
     std::this_thread::sleep_for(kLookS);
     const LiveCalibration::State state = calibration.state();
@@ -57,7 +57,8 @@ LiveCalibration::State finishInTerminal(const CalibrationCommandOptions& words,
 
 void CalibrationCommandOptions::collectLive(LiveCameras& running, const Board& of,
                                             const LiveCalibration::Finish& make) const {
-  LiveCalibration::Options options{.board = of, .collector = {.wanted = wanted}, .finish = make, .wake = {}};
+  LiveCalibration::Options options{
+      .board = of, .collector = {.required = required}, .finish = make, .wake = {}};
   for (const CameraStatus& camera : running.status())
     if (camera.times == TimeOrigin::kArrival) options.collector.unseen_skew_s = kUnseenSkewS;
   LiveCalibration::State last;
@@ -125,34 +126,34 @@ void CalibrationCommandOptions::write(const Calibration& found, const Board& of,
   if (!image.empty()) drawCalibration(image, of, found);
 }
 
-void addCalibrationOptions(CLI::App& command, CalibrationCommandOptions& words) {
+void addCalibrationOptions(CLI::App& command, CalibrationCommandOptions& options) {
   command
-      .add_option("TAKE", words.take,
+      .add_option("TAKE", options.take,
                   "recording: a folder with a video NAME.mp4, .mkv or .avi, or images NAME/000000.png, ..., "
                   "per camera, and optionally timestamps.csv; omit it with --camera")
       ->type_name("");
-  addCameraOptions(command, words.cameras);
-  command.add_flag("--headless", words.headless, "with --camera, run without a window");
-  command.add_option("--out", words.out, "output file for the calibrated rig")
+  addCameraOptions(command, options.cameras);
+  command.add_flag("--headless", options.headless, "with --camera, run without a window");
+  command.add_option("--out", options.out, "output file for the calibrated rig")
       ->type_name("RIG.toml")
       ->required();
   command
-      .add_option("--image", words.image, "output file for an image of the rig and the reprojection errors")
+      .add_option("--image", options.image, "output file for an image of the rig and the reprojection errors")
       ->type_name("FILE.png");
   addDeprecatedName(command, "--picture", "--image");
-  addBoardOptions(command, words.board);
+  addBoardOptions(command, options.board);
   command
       .add_option(
-          "--check-square-mm", words.measured_square_mm,
+          "--check-square-mm", options.measured_square_mm,
           "edge of a square as measured on the print; replaces --square-mm, with a warning if the two differ")
       ->check(CLI::PositiveNumber.description(""))
       ->type_name("MM");
   command
-      .add_option("--every", words.search.every,
+      .add_option("--every", options.search.every,
                   "search every Nth frame [chosen to search about 150 frames per camera]")
       ->check(CLI::Range(1, 1'000'000).description(""))
       ->type_name("N");
-  addCommonOptions(command, words, Uses::kDevice, true);
+  addCommonOptions(command, options, Uses::kDevice, true);
 }
 
 void addWorldOption(CLI::App& command, std::optional<int>& frame, const std::string& otherwise) {
@@ -165,13 +166,13 @@ void addWorldOption(CLI::App& command, std::optional<int>& frame, const std::str
       ->type_name("N");
 }
 
-std::vector<std::string> resultLines(const Calibration& found, const CalibrationCommandOptions& words) {
+std::vector<std::string> resultLines(const Calibration& found, const CalibrationCommandOptions& options) {
   std::vector<std::string> lines;
   for (std::size_t i = 0; i < found.cameras.size(); ++i)
     lines.push_back(found.rig.cameras[i].name + ": " + fixed(found.cameras[i].rms_px, 2) + " px RMS in " +
                     std::to_string(found.cameras[i].views) + " views");
   lines.push_back("lengths on the board are off by " + describeScale(found));
-  lines.push_back(describeOutput(words));
+  lines.push_back(describeOutput(options));
   lines.insert(lines.end(), found.warnings.begin(), found.warnings.end());
   return lines;
 }
@@ -180,8 +181,9 @@ std::string describeScale(const Calibration& found) {
   return found.scale_error_mm ? fixed(*found.scale_error_mm, 2) + " mm RMS" : "an unknown amount";
 }
 
-std::string describeOutput(const CalibrationCommandOptions& words) {
-  return "rig written to " + words.out + (words.image.empty() ? "" : ", image of the rig to " + words.image);
+std::string describeOutput(const CalibrationCommandOptions& options) {
+  return "rig written to " + options.out +
+         (options.image.empty() ? "" : ", image of the rig to " + options.image);
 }
 
 nlohmann::ordered_json scaleJson(const Calibration& found) {

@@ -18,7 +18,7 @@ struct CalibrationCommandOptions : CommonOptions {
   std::string take, out, image;
   CameraOptions cameras;
   bool headless = false;
-  RequiredViews wanted;  ///< of cameras that run
+  RequiredViews required;  ///< of cameras that run
   BoardOptions board;
   BoardSearch search;
   double measured_square_mm = 0;  ///< 0: not said
@@ -46,17 +46,17 @@ struct CalibrationCommandOptions : CommonOptions {
 
 /// TAKE or --camera and its like, --out, --image, the board's options, --check-square-mm, --every and the
 /// common options.
-void addCalibrationOptions(CLI::App& command, CalibrationCommandOptions& words);
+void addCalibrationOptions(CLI::App& command, CalibrationCommandOptions& options);
 
 /// --world, the frame in which the board lies on the table. \param otherwise what is without it
 void addWorldOption(CLI::App& command, std::optional<int>& frame, const std::string& otherwise);
 
 /// What came of it, for a window: a line a camera, then what `words` say, then warnings.
-std::vector<std::string> resultLines(const Calibration& found, const CalibrationCommandOptions& words);
+std::vector<std::string> resultLines(const Calibration& found, const CalibrationCommandOptions& options);
 /// "0.21 mm RMS"
 std::string describeScale(const Calibration& found);
 /// "rig in rig.toml, and how it looks in rig.png"
-std::string describeOutput(const CalibrationCommandOptions& words);
+std::string describeOutput(const CalibrationCommandOptions& options);
 /// `scale_error_mm`: null where it is not known.
 nlohmann::ordered_json scaleJson(const Calibration& found);
 

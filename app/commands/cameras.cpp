@@ -95,9 +95,9 @@ std::vector<std::vector<std::string>> tableOf(const std::vector<CameraStatus>& a
   std::vector<std::vector<std::string>> rows = {
       {"CAMERA", "STATE", "HZ", "OF", "DROPS", "SKEW MS", "SIZE", "TIMES FROM", "LAST ERROR"}};
   for (const CameraStatus& one : all)
-    rows.push_back({one.name, wordsOn(one.state), fixed(one.measured_hz, 1), fixed(one.rate_hz, 1),
+    rows.push_back({one.name, nameOf(one.state), fixed(one.measured_hz, 1), fixed(one.rate_hz, 1),
                     std::to_string(one.drops), fixed(1000 * one.skew_s, 1), sizeText(one.size),
-                    wordsOn(one.times), oneLine(one.fault)});
+                    nameOf(one.times), oneLine(one.fault)});
   return rows;
 }
 
@@ -109,8 +109,8 @@ Json statusJson(const std::vector<CameraStatus>& all, const std::vector<NamedSou
                     {"width", all[c].size.width},
                     {"height", all[c].size.height},
                     {"rate_hz", all[c].rate_hz},
-                    {"times", wordsOn(all[c].times)},
-                    {"state", wordsOn(all[c].state)},
+                    {"times", nameOf(all[c].times)},
+                    {"state", nameOf(all[c].state)},
                     {"hz", all[c].measured_hz},
                     {"frames", all[c].frames},
                     {"drops", all[c].drops},
@@ -192,14 +192,14 @@ Json openEach(const CamerasOptions& options, const std::vector<NamedSource>& sou
   std::vector<std::vector<std::string>> rows = {{"CAMERA", "SIZE", "HZ", "TIMES FROM", "SOURCE"}};
   for (const NamedSource& named : sources) {
     const std::unique_ptr<CameraSource> source = openSource(named, options.cameras.sourceOptions());
-    rows.push_back({named.name, sizeText(source->size()), fixed(source->rateHz(), 2),
-                    wordsOn(source->times()), oneLine(named.source.text)});
+    rows.push_back({named.name, sizeText(source->size()), fixed(source->rateHz(), 2), nameOf(source->times()),
+                    oneLine(named.source.text)});
     list.push_back({{"name", named.name},
                     {"source", named.source.text},
                     {"width", source->size().width},
                     {"height", source->size().height},
                     {"rate_hz", source->rateHz()},
-                    {"times", wordsOn(source->times())}});
+                    {"times", nameOf(source->times())}});
   }
   if (options.printsMessages()) printTable(rows);
   return {{"cameras", list}};

@@ -25,12 +25,12 @@ struct DocumentOptions : CommonOptions {
 
 struct NewOptions : DocumentOptions {
   std::string clay = "tube";
-  ClayOptions words;
+  ClayOptions clay_options;
 };
 
 struct SetOptions : DocumentOptions {
   std::string clay;
-  ClayOptions words;
+  ClayOptions clay_options;
 };
 
 struct TurnOptions : DocumentOptions {
@@ -46,8 +46,8 @@ void checkEnding(const std::string& file) {
 
 void runNew(const NewOptions& options) {
   checkEnding(options.file);
-  const ClayState state{loadCage(options.clay), options.words.subdivisionRule(), options.words.levels,
-                        options.words.solveMethod()};
+  const ClayState state{loadCage(options.clay), options.clay_options.subdivisionRule(),
+                        options.clay_options.levels, options.clay_options.solveMethod()};
   // Before the file exists: a level that is too high is a fault of this command, not of the document.
   const Subdivision subdivision = subdivide(state.cage, state.levels, state.rule);
   Document::create(options.file, state);
@@ -89,7 +89,7 @@ void runHistory(const DocumentOptions& options) {
   printTable(rows);
 }
 
-void sayWhere(const DocumentOptions& options, const Document& document, const std::string& done) {
+void printPosition(const DocumentOptions& options, const Document& document, const std::string& done) {
   printLine(options, options.file + ": " + done + "; " + std::to_string(document.undoCount()) + " to undo, " +
                          std::to_string(document.redoCount()) + " to redo");
 }
@@ -98,16 +98,16 @@ void runUndo(const DocumentOptions& options) {
   Document document = Document::open(options.file);
   const std::string name = oneLine(document.canUndo().value_or(""));
   document.undo(options.count);
-  sayWhere(options, document,
-           options.count == 1 ? name + " undone" : std::to_string(options.count) + " edits undone");
+  printPosition(options, document,
+                options.count == 1 ? name + " undone" : std::to_string(options.count) + " edits undone");
 }
 
 void runRedo(const DocumentOptions& options) {
   Document document = Document::open(options.file);
   const std::string name = oneLine(document.canRedo().value_or(""));
   document.redo(options.count);
-  sayWhere(options, document,
-           options.count == 1 ? name + " redone" : std::to_string(options.count) + " edits redone");
+  printPosition(options, document,
+                options.count == 1 ? name + " redone" : std::to_string(options.count) + " edits redone");
 }
 
 void runRefine(const DocumentOptions& options) {
@@ -135,7 +135,7 @@ void runSet(const SetOptions& options) {
     state.cage = loadCage(options.clay);
     state.workspace_from_clay.setIdentity();
   }
-  options.words.applyTo(state);
+  options.clay_options.applyTo(state);
   if (sameClay(state, document.state()))
     throw Error(
         "set " + options.file +
@@ -144,8 +144,8 @@ void runSet(const SetOptions& options) {
   const Subdivision subdivision =
       subdivide(state.cage, state.levels, state.rule);  // refuses a level that is too high
   document.commit(!options.clay.empty() ? "Import " + std::filesystem::path(options.clay).filename().string()
-                  : options.words.levelsGiven() ? "Level " + std::to_string(state.levels)
-                                                : "Settings",
+                  : options.clay_options.levelsGiven() ? "Level " + std::to_string(state.levels)
+                                                       : "Settings",
                   state);
   printLine(options, options.file + ": " + counted(state.cage.points.size(), "control point") + ", " +
                          counted(static_cast<std::size_t>(subdivision.matrix.rows()), "data point") +
@@ -186,8 +186,8 @@ void addNew(CLI::App& program, int&) {
       ->add_option("--clay", options->clay,
                    "a preset: tube (default), cube, ball, slab or vase; or an OBJ control cage")
       ->type_name("PRESET|FILE");
-  addSubdivisionOptions(*command, options->words);
-  addSolveOption(*command, options->words);
+  addSubdivisionOptions(*command, options->clay_options);
+  addSolveOption(*command, options->clay_options);
   addCommonOptions(*command, *options, Uses::kNothing, false);
   command->footer("Example:\n  airclay new pot.clay --clay vase --levels 3");
   command->callback([options] { runNew(*options); });
@@ -243,8 +243,8 @@ void addSet(CLI::App& program, int&) {
       ->add_option("--clay", options->clay,
                    "a preset: tube, cube, ball, slab or vase; or an OBJ control cage")
       ->type_name("PRESET|FILE");
-  addSubdivisionOptions(*command, options->words, WhenOmitted::kKeep);
-  addSolveOption(*command, options->words, WhenOmitted::kKeep);
+  addSubdivisionOptions(*command, options->clay_options, WhenOmitted::kKeep);
+  addSolveOption(*command, options->clay_options, WhenOmitted::kKeep);
   addCommonOptions(*command, *options, Uses::kNothing, false);
   command->footer(
       "Settings without an option do not change. The change is an edit that can be undone.\n\nExample:\n  "

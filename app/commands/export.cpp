@@ -19,7 +19,7 @@ namespace {
 
 struct ExportOptions : CommonOptions {
   std::string clay, out, what = "surface";
-  ClayOptions words;
+  ClayOptions clay_options;
 };
 
 /// A document's own level and rule are what it is exported with, unless the words say otherwise.
@@ -29,11 +29,11 @@ ClayState clayOf(const ExportOptions& options) {
     clay = Document::open(options.clay).state();
   else
     clay.cage = loadCage(options.clay);
-  options.words.applyTo(clay);
+  options.clay_options.applyTo(clay);
   return clay;
 }
 
-std::string wordsOn(const MeshExport& written) {
+std::string describePrintability(const MeshExport& written) {
   if (!written.watertight())
     return "it has " + std::to_string(written.open_edges) + " open edges: a slicer will not print it";
   if (written.volume_m3 < 0) return "it is watertight but inside out: its faces run clockwise";
@@ -47,7 +47,7 @@ std::string sizeOf(const MeshExport& written) {
 
 void runExport(const ExportOptions& options) {
   const bool cage_alone = options.what == "cage";
-  if (cage_alone && options.words.levelsGiven())
+  if (cage_alone && options.clay_options.levelsGiven())
     throw Error("--levels subdivides the surface; omit it with --what cage", Fault::kUsage);
   meshFormatOf(options.out);
   checkWritable(options.out);
@@ -65,7 +65,7 @@ void runExport(const ExportOptions& options) {
                {"volume_cm3", 1e6 * written.volume_m3}});
   printLine(options, std::to_string(written.faces) +
                          (written.faces == written.triangles ? " triangles, " : " faces, ") +
-                         sizeOf(written) + ", in " + options.out + "; " + wordsOn(written));
+                         sizeOf(written) + ", in " + options.out + "; " + describePrintability(written));
 }
 
 }  // namespace
@@ -88,7 +88,7 @@ void addExport(CLI::App& program, int&) {
   command->add_option("--what", options->what, "export the surface (default) or the control cage")
       ->check(CLI::IsMember({"surface", "cage"}).description(""))
       ->type_name("surface|cage");
-  addSubdivisionOptions(*command, options->words);
+  addSubdivisionOptions(*command, options->clay_options);
   addCommonOptions(*command, *options, Uses::kNothing, true);
   command->footer(
       "Examples:\n  airclay export ball --levels 4 --out ball.stl\n"

@@ -71,17 +71,17 @@ void runOffsets(const OffsetsOptions& options) {
   const ClockOffsets found = estimateClockOffsets(take.rig(), motionIn(options, take));
   nlohmann::ordered_json cameras = nlohmann::ordered_json::array();
   std::vector<std::vector<std::string>> rows = {{"CAMERA", "TOO LATE BY", "SURE TO"}};
-  std::string words;
+  std::string offsets;
   for (std::size_t c = 0; c < take.rig().cameras.size(); ++c) {
     const std::string& name = take.rig().cameras[c].name;
     const double offset_ms = 1000 * found.offset_s[c], deviation_ms = 1000 * found.deviation_s[c];
     cameras.push_back({{"name", name}, {"offset_ms", offset_ms}, {"deviation_ms", deviation_ms}});
     rows.push_back({name, fixed(offset_ms, 1) + " ms", fixed(deviation_ms, 1) + " ms"});
-    if (std::abs(found.offset_s[c]) > kSameClockS) words += " --offset " + name + "=" + fixed(offset_ms, 1);
+    if (std::abs(found.offset_s[c]) > kSameClockS) offsets += " --offset " + name + "=" + fixed(offset_ms, 1);
   }
   if (options.json) printJson({{"cameras", cameras}});
   if (options.printsMessages()) printTable(rows);
-  printLine(options, words.empty() ? "the cameras' clocks agree" : "for live cameras, use:" + words);
+  printLine(options, offsets.empty() ? "the cameras' clocks agree" : "for live cameras, use:" + offsets);
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ struct RecalibrateOptions : CalibrationCommandOptions {
 };
 
 /// Writes it, with all that is to be warned of.
-void keep(const RecalibrateOptions& options, const Board& board, Recalibration& found,
+void save(const RecalibrateOptions& options, const Board& board, Recalibration& found,
           const std::vector<std::string>& warnings) {
   Calibration& calibration = found.calibration;
   calibration.warnings.insert(calibration.warnings.begin(), warnings.begin(), warnings.end());
@@ -35,11 +35,11 @@ Recalibration recalibrateRecording(const RecalibrateOptions& options, const Rig&
     const std::vector<CameraViews> views = options.findBoards(recording, board, warnings);
     const ProgressTask progress("recalibrating", options.printsMessages());
     Recalibration found = recalibrate(board, rig, views, options.recalibration);
-    keep(options, board, found, warnings);
+    save(options, board, found, warnings);
     return found;
   } catch (const Error& error) {
-    const std::string said = error.what();
-    throw Error(said.starts_with(options.take) ? said : options.take + ": " + said, error.fault());
+    const std::string message = error.what();
+    throw Error(message.starts_with(options.take) ? message : options.take + ": " + message, error.fault());
   }
 }
 
@@ -57,7 +57,7 @@ Recalibration recalibrateLive(const RecalibrateOptions& options, const Rig& rig,
     RecalibrationOptions recalibration = options.recalibration;
     recalibration.world_frame = world;
     found = recalibrate(board, rig, views, recalibration);
-    keep(options, board, found, warnings);
+    save(options, board, found, warnings);
     return resultLines(found.calibration, options);
   });
   return found;
@@ -72,7 +72,7 @@ std::string names(const Recalibration& found, bool moved) {
 }
 
 /// Which cameras moved, and what the world is by now.
-std::string worldWords(const RecalibrateOptions& options, const Recalibration& found) {
+std::string describeWorld(const RecalibrateOptions& options, const Recalibration& found) {
   const std::string moved = names(found, true), still = names(found, false);
   const std::string what = !found.world_kept ? "no two cameras stand to each other as before"
                            : moved.empty()   ? "no camera was moved"
@@ -96,7 +96,7 @@ void print(const RecalibrateOptions& options, const Recalibration& found) {
          std::to_string(quality.shared_views), fixed(change.rms_px_before, 2), fixed(quality.rms_px, 2)});
   }
   if (options.printsMessages()) printTable(rows);
-  printLine(options, worldWords(options, found));
+  printLine(options, describeWorld(options, found));
   printLine(options, "reprojection error " + fixed(calibration.rms_px, 2) + " px RMS, with the old rig " +
                          fixed(found.rms_px_before, 2) + " px; lengths on the board are off by " +
                          describeScale(calibration));
@@ -146,7 +146,7 @@ void addRecalibrate(CLI::App& program, int&) {
   CLI::App* command =
       program.add_subcommand("recalibrate", "correct a rig whose cameras were moved, with a moving board");
   const auto options = std::make_shared<RecalibrateOptions>();
-  options->wanted = RequiredViews::forPlaces();
+  options->required = RequiredViews::forPlaces();
   command
       ->add_option(
           "RIG", options->rig,

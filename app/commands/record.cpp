@@ -54,7 +54,7 @@ class Watcher {
       const bool bad =
           state == CameraState::kFrozen || state == CameraState::kLost || state == CameraState::kReconnecting;
       if (bad && !bad_[c])
-        printWarning("camera \"" + all[c].name + "\" is " + wordsOn(state) +
+        printWarning("camera \"" + all[c].name + "\" is " + nameOf(state) +
                      (all[c].fault.empty() ? "" : " (" + all[c].fault + ")") +
                      "; nothing is recorded until it is back");
       if (!bad && bad_[c]) printWarning("camera \"" + all[c].name + "\" is back");
@@ -80,7 +80,7 @@ class Recorder {
   void finish() { writer_.finish(); }
 
   Json figures() const;
-  std::string words() const;
+  std::string summary() const;
   std::string whyItEnded() const { return why_; }
 
  private:
@@ -119,7 +119,7 @@ std::optional<LiveSet> Recorder::nextComplete() {
   why_ = "no complete set has come for " + fixed(kAwayS, 0) + " s";
   for (const CameraStatus& one : status)
     if (one.state != CameraState::kLive && one.state != CameraState::kLate)
-      why_ = "camera \"" + one.name + "\" is " + wordsOn(one.state) + " for " + fixed(kAwayS, 0) + " s";
+      why_ = "camera \"" + one.name + "\" is " + nameOf(one.state) + " for " + fixed(kAwayS, 0) + " s";
   if (const std::optional<double> skew_s = cameras_.refusedSkew())
     why_ += ": the images are " + fixed(1000 * *skew_s, 1) + " ms apart, and " +
             fixed(1000 * cameras_.maxSkew(), 1) + " are allowed (--max-skew-ms)";
@@ -189,7 +189,7 @@ Json Recorder::figures() const {
   Json cameras = Json::array();
   for (std::size_t c = 0; c < status.size(); ++c)
     cameras.push_back({{"name", status[c].name},
-                       {"times", wordsOn(status[c].times)},
+                       {"times", nameOf(status[c].times)},
                        {"hz", status[c].measured_hz},
                        {"drops", drops_before_.empty() ? 0 : status[c].drops - drops_before_[c]},
                        {"missed", missed_.empty() ? 0 : missed_[c]},
@@ -206,7 +206,7 @@ Json Recorder::figures() const {
           {"cameras", cameras}};
 }
 
-std::string Recorder::words() const {
+std::string Recorder::summary() const {
   const Json all = figures();
   std::string text = std::to_string(all["sets"].get<int>()) + " sets, " + fixed(all["hz"], 2) + " Hz, skew " +
                      fixed(skewMs(false), 1) + " ms (worst " + fixed(skewMs(true), 1) + "), in " +
@@ -220,7 +220,7 @@ std::string Recorder::words() const {
   return text;
 }
 
-void checkWords(const RecordOptions& options) {
+void checkOptions(const RecordOptions& options) {
   if (!options.cameras.given())
     throw Error("no cameras given: --camera NAME=SOURCE, once per camera, would be right", Fault::kUsage);
   if (options.background > 0 && options.background_s > 0)
@@ -233,7 +233,7 @@ void checkWords(const RecordOptions& options) {
 }
 
 void runRecord(const RecordOptions& options) {
-  checkWords(options);
+  checkOptions(options);
   std::vector<NamedSource> sources = options.cameras.sources();
   std::optional<Rig> rig;
   if (!options.rig.empty()) {
@@ -264,7 +264,7 @@ void runRecord(const RecordOptions& options) {
     fault = error.what();
   }
   if (options.json) printJson(recorder.figures());
-  printLine(options, recorder.words());
+  printLine(options, recorder.summary());
   if (!fault.empty()) throw Error(fault);
   const int sets = recorder.figures()["sets"];
   if (!recorder.whyItEnded().empty())

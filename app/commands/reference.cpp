@@ -93,7 +93,7 @@ std::string headOf(const OptionText& option) {
   return joined(option.names, ", ") + (option.value.empty() ? "" : " " + option.value);
 }
 
-/// Calls `visit` with every command and subcommand and the words that lead to it.
+/// Calls `visit` with every command and subcommand and its path.
 template <typename Visit>
 void forEachCommand(const CommandText& command, const std::string& path, const Visit& visit) {
   for (const CommandText& child : command.subcommands) {
@@ -145,12 +145,12 @@ std::string manPage(const CommandText& program) {
 
 // ---------------------------------------------------------------------------------------------- completions
 
-std::vector<std::string> wordsAfter(const CommandText& command) {
-  std::vector<std::string> words;
-  for (const CommandText& child : command.subcommands) words.push_back(child.name);
+std::vector<std::string> completionsOf(const CommandText& command) {
+  std::vector<std::string> names;
+  for (const CommandText& child : command.subcommands) names.push_back(child.name);
   for (const OptionText& option : command.options)
-    for (const std::string& name : option.names) words.push_back(name);
-  return words;
+    names.insert(names.end(), option.names.begin(), option.names.end());
+  return names;
 }
 
 std::string bashCompletion(const CommandText& program) {
@@ -174,9 +174,9 @@ std::string bashCompletion(const CommandText& program) {
             << "\" -- \"$current\")); return ;;\n";
   });
   out << "  esac\n  local words=\"\"\n  case \"$command\" in\n    \"\") words=\""
-      << joined(wordsAfter(program), " ") << "\" ;;\n";
+      << joined(completionsOf(program), " ") << "\" ;;\n";
   forEachCommand(program, "", [&](const std::string& path, const CommandText& command) {
-    out << "    \"" << path << " " << command.name << "\") words=\"" << joined(wordsAfter(command), " ")
+    out << "    \"" << path << " " << command.name << "\") words=\"" << joined(completionsOf(command), " ")
         << "\" ;;\n";
   });
   out << "  esac\n"

@@ -23,7 +23,7 @@ class ClayFigures {
   void add(const ClayStep& step) {
     if (step.touched > 0) penetration_mm_.push_back(1000 * step.penetration_m);
   }
-  std::string words() const {
+  std::string summary() const {
     if (penetration_mm_.empty()) return "the hand never touched the clay";
     return "the hand moved clay in " + std::to_string(penetration_mm_.size()) +
            " frames; how deep it was still in the clay after each: " + fixed(median(penetration_mm_), 2) +
@@ -105,8 +105,8 @@ void SculptResults::finish(const Pipeline& pipeline) {
 
 void SculptResults::printLine(const CommonOptions& options) const {
   const Sculpting& sculpting = parts_->sculpting;
-  for (const std::string& line : parts_->tracking.words()) airclay::printLine(options, line);
-  airclay::printLine(options, parts_->clay.words());
+  for (const std::string& line : parts_->tracking.summary()) airclay::printLine(options, line);
+  airclay::printLine(options, parts_->clay.summary());
   airclay::printLine(options, "surface.obj, cage.obj, poses.tum and images in " + sculpting.out.string() +
                                   (sculpting.video ? ", the video " + sculpting.video->string() : ""));
 }

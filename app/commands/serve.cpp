@@ -45,7 +45,7 @@ class Watcher {
       else if (now == CameraState::kLost && !camera.fault.empty())
         line = camera.fault + "; reopening it once per second; the other cameras continue";
       else
-        line += std::string(wordsOn(now)) + "; the other cameras continue";
+        line += std::string(nameOf(now)) + "; the other cameras continue";
       printWarning(line);
     }
   }
@@ -58,7 +58,7 @@ class Watcher {
   std::vector<CameraState> said_;
 };
 
-void sayAddresses(const ServeOptions& options, const StreamServer& server) {
+void printAddresses(const ServeOptions& options, const StreamServer& server) {
   for (const StreamStatus& stream : server.status())
     printLine(options, stream.address + "  " + std::to_string(stream.camera.size.width) + "x" +
                            std::to_string(stream.camera.size.height) + " at " +
@@ -105,7 +105,7 @@ void runServe(const ServeOptions& options) {
   const std::vector<NamedSource> sources = options.cameras.sources();
   Progress progress("serving", 1, false);
   const StreamServer server(sources, {options.address, options.port, options.cameras.sourceOptions()});
-  sayAddresses(options, server);
+  printAddresses(options, server);
   try {
     run(options, server, progress);
   } catch (const Interrupted&) {

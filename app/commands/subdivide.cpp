@@ -82,22 +82,23 @@ void ClayOptions::applyTo(ClayState& state) const {
   if (solve_option && solve_option->count() > 0) state.solve = solveMethod();
 }
 
-void addSubdivisionOptions(CLI::App& command, ClayOptions& words, WhenOmitted otherwise) {
+void addSubdivisionOptions(CLI::App& command, ClayOptions& options, WhenOmitted otherwise) {
   const bool marked = otherwise == WhenOmitted::kDefault;
-  words.levels_option =
+  options.levels_option =
       command
-          .add_option("--levels", words.levels,
+          .add_option("--levels", options.levels,
                       std::string("number of subdivisions of the cage") + (marked ? " [2]" : ""))
           ->type_name("N");
-  words.rule_option = command
-                          .add_option("--rule", words.rule,
-                                      std::string("weights of a vertex point: catmull-clark") +
-                                          (marked ? " (default)" : "") + " or printed, eq. (4) of the paper")
-                          ->check(CLI::IsMember({"catmull-clark", "printed"}).description(""))
-                          ->type_name("RULE");
+  options.rule_option =
+      command
+          .add_option("--rule", options.rule,
+                      std::string("weights of a vertex point: catmull-clark") + (marked ? " (default)" : "") +
+                          " or printed, eq. (4) of the paper")
+          ->check(CLI::IsMember({"catmull-clark", "printed"}).description(""))
+          ->type_name("RULE");
 }
 
-void addSolveOption(CLI::App& command, ClayOptions& words, WhenOmitted otherwise) {
+void addSolveOption(CLI::App& command, ClayOptions& options, WhenOmitted otherwise) {
   std::vector<std::string> ids;
   std::string help = "data points to fit:";
   for (const SolveMethod* method : solveMethods()) {
@@ -106,7 +107,7 @@ void addSolveOption(CLI::App& command, ClayOptions& words, WhenOmitted otherwise
             method->description;
     ids.push_back(method->id);
   }
-  words.solve_option = command.add_option("--solve", words.solve, help)
+  options.solve_option = command.add_option("--solve", options.solve, help)
                            ->check(CLI::IsMember(ids).description(""))
                            ->type_name("METHOD");
 }

@@ -38,7 +38,7 @@ void runTrack(const TrackOptions& options) {
   }
   writePoses(options.poses, tracking.poses());
   if (options.json) printJson(tracking.json());
-  for (const std::string& line : tracking.words()) printLine(options, line);
+  for (const std::string& line : tracking.summary()) printLine(options, line);
   printLine(options, "poses in " + options.poses);
 }
 

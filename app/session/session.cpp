@@ -506,9 +506,9 @@ void Session::refreshDocumentView() {
   document_view_ = std::move(view);
 }
 
-void Session::note(const std::string& words) {
+void Session::note(const std::string& text) {
   const std::lock_guard lock(mutex_);
-  notes_.push_back(words);
+  notes_.push_back(text);
 }
 
 void Session::placeThumbnails() {

@@ -234,7 +234,7 @@ class Session {
   void placeThumbnails();
   void drawThumbnails(const FrameSet& set);
   void drawThumbnail(const Thumbnail& to, std::size_t camera, const std::vector<std::uint8_t>& bytes);
-  void note(const std::string& words);
+  void note(const std::string& text);
   void guarded(const std::function<void()>& work);
 
   Gpu& gpu_;

@@ -106,10 +106,10 @@ void Session::importCage(const std::filesystem::path& file) {
   });
 }
 
-void Session::replaceClay(const ClayState& wanted, const std::string& name) {
-  post([this, wanted, name] {
+void Session::replaceClay(const ClayState& state, const std::string& name) {
+  post([this, state, name] {
     refuseWhileReplaying();
-    replaceClayWith(wanted, name);
+    replaceClayWith(state, name);
   });
 }
 

@@ -9,20 +9,20 @@
 
 namespace airclay {
 
-RigUnits parseUnits(const std::string& word) {
-  if (word == "m") return RigUnits::kMetres;
-  return word == "mm" ? RigUnits::kMillimetres : RigUnits::kAsWritten;
+RigUnits parseUnits(const std::string& text) {
+  if (text == "m") return RigUnits::kMetres;
+  return text == "mm" ? RigUnits::kMillimetres : RigUnits::kAsWritten;
 }
 
-void addTakeOptions(CLI::App& command, TakeInputOptions& words) {
-  command.add_option("TAKE", words.folder, "recording: a folder with rig.toml and videos, images or masks")
+void addTakeOptions(CLI::App& command, TakeInputOptions& options) {
+  command.add_option("TAKE", options.folder, "recording: a folder with rig.toml and videos, images or masks")
       ->type_name("")
       ->required();
-  command.add_option("--units", words.units, "unit of a rig file that states none: m or mm")
+  command.add_option("--units", options.units, "unit of a rig file that states none: m or mm")
       ->check(CLI::IsMember({"m", "mm"}).description(""))
       ->type_name("m|mm");
   command
-      .add_option("--background", words.background_frames,
+      .add_option("--background", options.background_frames,
                   "number of initial frames that show the empty workspace, 1 to 256, for a take without "
                   "background/ [10]")
       ->check(CLI::Range(1, static_cast<int>(kMaxLearnFrames)).description(""))

@@ -13,7 +13,7 @@ class App;
 namespace airclay {
 
 /// What --units says: m, mm, or nothing.
-RigUnits parseUnits(const std::string& word);
+RigUnits parseUnits(const std::string& text);
 
 /// What the commands that read a take ask of it.
 struct TakeInputOptions {
@@ -25,6 +25,6 @@ struct TakeInputOptions {
 };
 
 /// The take itself, --units and --background.
-void addTakeOptions(CLI::App& command, TakeInputOptions& words);
+void addTakeOptions(CLI::App& command, TakeInputOptions& options);
 
 }  // namespace airclay

@@ -89,7 +89,7 @@ nlohmann::ordered_json Tracking::json() const {
   return object;
 }
 
-std::vector<std::string> Tracking::words() const {
+std::vector<std::string> Tracking::summary() const {
   std::vector<std::string> lines = {std::to_string(frames_) + " frames: " + std::to_string(tracked_) +
                                     " tracked, " + std::to_string(lost_) + " lost, " +
                                     std::to_string(empty_) + " empty"};

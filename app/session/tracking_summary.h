@@ -23,8 +23,8 @@ class Tracking {
 
   /// The contract's keys of `track`; with a known truth also `median_error_mm` and its like.
   nlohmann::ordered_json json() const;
-  /// The same in words, a line each.
-  std::vector<std::string> words() const;
+  /// Text for the terminal, one item per line.
+  std::vector<std::string> summary() const;
 
  private:
   double frameMs() const;

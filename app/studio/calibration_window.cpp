@@ -77,28 +77,29 @@ class CalibrationWindow {
     if (camera.seen)
       for (const Vec2& pixel : camera.seen->pixels) {
         list.AddCircleFilled(at(place, pixel), 0.26f * em, IM_COL32_WHITE);
-        list.AddCircleFilled(at(place, pixel), 0.17f * em, look::kClay);
+        list.AddCircleFilled(at(place, pixel), 0.17f * em, theme::kClay);
       }
-    const auto [words, color] = stateWords(camera, state_.status[index]);
+    const auto [text, color] = describeState(camera, state_.status[index]);
     shown_.drawLabel(index, {camera.name,
                              std::to_string(camera.views) + " views, " + std::to_string(camera.shared_views) +
                                  " shared, " + fixed(100 * camera.coverage.share(), 0) + " % covered",
-                             words, color});
+                             text, color});
     list.AddRectFilled({left, bottom}, {left + float(camera.share * place.width), bottom + 0.25f * em},
-                       camera.share >= 1 ? look::kGood : look::kClay);
+                       camera.share >= 1 ? theme::kGood : theme::kClay);
   }
 
-  static std::pair<std::string, ImU32> stateWords(const CollectedCamera& camera, const CameraStatus& status) {
+  static std::pair<std::string, ImU32> describeState(const CollectedCamera& camera,
+                                                     const CameraStatus& status) {
     if (status.state != CameraState::kLive && status.state != CameraState::kEnded)
-      return {std::string(wordsOn(status.state)) + (status.fault.empty() ? "" : ": " + oneLine(status.fault)),
-              look::kBad};
-    if (!camera.seen) return {"the board is not seen", look::kFaint};
+      return {std::string(nameOf(status.state)) + (status.fault.empty() ? "" : ": " + oneLine(status.fault)),
+              theme::kBad};
+    if (!camera.seen) return {"Board not visible", theme::kFaint};
     const std::string fault = camera.fault();
-    const std::string blur = camera.light ? "edges blurred by " + fixed(camera.light->blur_px, 1) + " px, " +
+    const std::string blur = camera.light ? "blur " + fixed(camera.light->blur_px, 1) + " px, " +
                                                 "white at " + fixed(camera.light->white, 0) + " of 255"
                                           : "";
-    if (!fault.empty()) return {fault + ": " + blur, look::kBad};
-    return {"sharp, well lit: " + blur, look::kGood};
+    if (!fault.empty()) return {fault + ": " + blur, theme::kBad};
+    return {"Sharp, well lit: " + blur, theme::kGood};
   }
 
   void drawPanel(float left, float width, float height) {
@@ -108,34 +109,34 @@ class CalibrationWindow {
                  ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
     title("Calibrating");
     ImGui::ProgressBar(float(state_.share), {-1, 0.5f * ImGui::GetFontSize()}, "");
-    ImGui::TextDisabled("%.0f %% of the views that make a good rig", 100 * state_.share);
+    ImGui::TextDisabled("%.0f %% of the views for a good calibration", 100 * state_.share);
     ImGui::Spacing();
     if (!state_.working && state_.result.empty() && !state_.advice.empty()) title(sentence(state_.advice));
     ImGui::PushTextWrapPos(0);
     ImGui::TextDisabled(
-        "%d positions of the board are kept. One is kept when the board rests for a moment "
-        "where it was not yet; the veil over each image goes where it has been.",
+        "%d board positions collected. Hold the board still in a new position to add one. Each image clears "
+        "where the board has been.",
         state_.kept_sets);
     ImGui::PopTextWrapPos();
     ImGui::Separator();
-    drawWishes();
+    drawActions();
     drawResult();
     ImGui::End();
   }
 
-  static std::string sentence(std::string words) {
-    words[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(words[0])));
-    return words + ".";
+  static std::string sentence(std::string text) {
+    text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+    return text + ".";
   }
 
-  static void title(const std::string& words) {
+  static void title(const std::string& text) {
     ImGui::PushFont(titleFont());
-    ImGui::TextWrapped("%s", words.c_str());
+    ImGui::TextWrapped("%s", text.c_str());
     ImGui::PopFont();
   }
 
-  void drawWishes() {
-    const auto wished = [](const char* label, int key, bool possible) {
+  void drawActions() {
+    const auto chosen = [](const char* label, int key, bool possible) {
       ImGui::BeginDisabled(!possible);
       const bool clicked = ImGui::Button(label, {-1, 0});
       ImGui::EndDisabled();
@@ -144,16 +145,16 @@ class CalibrationWindow {
     const bool idle = !state_.working;
     ImGui::PushStyleColor(ImGuiCol_Button, state_.enough && idle ? ImVec4(0.71f, 0.42f, 0.25f, 0.55f)
                                                                  : ImGui::GetStyleColorVec4(ImGuiCol_Button));
-    if (wished("Make the rig   Enter", GLFW_KEY_ENTER, idle && state_.kept_sets > 0)) calibration_.finish();
+    if (chosen("Calibrate   Enter", GLFW_KEY_ENTER, idle && state_.kept_sets > 0)) calibration_.finish();
     ImGui::PopStyleColor();
-    if (wished("The world is where the board lies   W", GLFW_KEY_W, idle)) calibration_.takeWorld();
-    if (wished("Begin again   Backspace", GLFW_KEY_BACKSPACE, idle)) calibration_.restart();
-    if (wished("Close   Esc", GLFW_KEY_ESCAPE, true)) shown_.window().close();
+    if (chosen("Set world to the board   W", GLFW_KEY_W, idle)) calibration_.takeWorld();
+    if (chosen("Start over   Backspace", GLFW_KEY_BACKSPACE, idle)) calibration_.restart();
+    if (chosen("Close   Esc", GLFW_KEY_ESCAPE, true)) shown_.window().close();
     ImGui::PushTextWrapPos(0);
     if (state_.world)
-      ImGui::TextDisabled("The world is the board's of set %d: the cube stands on it.", *state_.world);
+      ImGui::TextDisabled("World: the board of set %d. The workspace stands on it.", *state_.world);
     else
-      ImGui::TextDisabled("Without a board for the world, it is that of the first one that all see best.");
+      ImGui::TextDisabled("World: not set. Defaults to the board that all cameras see best.");
     ImGui::PopTextWrapPos();
   }
 
@@ -161,7 +162,7 @@ class CalibrationWindow {
     ImGui::Separator();
     if (state_.working) ImGui::ProgressBar(float(state_.work_share), {-1, 0.5f * ImGui::GetFontSize()}, "");
     if (!state_.fault.empty()) {
-      ImGui::PushStyleColor(ImGuiCol_Text, look::kBad);
+      ImGui::PushStyleColor(ImGuiCol_Text, theme::kBad);
       ImGui::TextWrapped("%s", state_.fault.c_str());
       ImGui::PopStyleColor();
     }

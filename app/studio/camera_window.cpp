@@ -109,9 +109,9 @@ void CameraWindow::drawLabel(std::size_t camera, const CameraLabel& label) const
   const float bottom = top + kLabelHeight * em, margin = kMargin * em;
   list.AddRectFilled({left, top}, {right, bottom}, kLabelPaper);
   list.PushClipRect({left, top}, {right, bottom}, true);
-  list.AddText({left + margin, top + kNameAt * em}, look::kInk, label.name.c_str());
+  list.AddText({left + margin, top + kNameAt * em}, theme::kInk, label.name.c_str());
   list.AddText({right - ImGui::CalcTextSize(label.right.c_str()).x - margin, top + kNameAt * em},
-               look::kFaint, label.right.c_str());
+               theme::kFaint, label.right.c_str());
   list.AddText({left + margin, top + kLineAt * em}, label.line_color, label.line.c_str());
   list.PopClipRect();
 }
@@ -122,7 +122,7 @@ void CameraWindow::show() {
   if (paper_.width() != width || paper_.height() != height)
     paper_ = Image(gpu_, ImageKind::kScreen, width, height);
   recorder_.begin(Timing::kNone);
-  render(recorder_, {.color = &paper_, .clear_color = look::paper()}, {});
+  render(recorder_, {.color = &paper_, .clear_color = theme::paper()}, {});
   window_.draw(recorder_, paper_, insets_);
   window_.show(recorder_);
 }

@@ -16,33 +16,33 @@ constexpr std::size_t kMostListed = 5000;  // a folder with more is shown in par
 }  // namespace
 
 void FileChooser::open(const std::string& title, const std::filesystem::path& folder,
-                       std::vector<std::string> endings, bool to_write, Chosen chosen) {
+                       std::vector<std::string> extensions, bool to_write, Chosen chosen) {
   title_ = title;
-  endings_ = std::move(endings);
+  extensions_ = std::move(extensions);
   to_write_ = to_write;
   chosen_ = std::move(chosen);
   name_.clear();
   open_ = true;
   asked_ = false;
-  std::error_code fault;
-  goTo(std::filesystem::is_directory(folder, fault) ? folder : std::filesystem::current_path(fault));
+  std::error_code error;
+  goTo(std::filesystem::is_directory(folder, error) ? folder : std::filesystem::current_path(error));
 }
 
 void FileChooser::goTo(const std::filesystem::path& folder) {
-  std::error_code fault;
-  const std::filesystem::path whole = std::filesystem::weakly_canonical(folder, fault);
+  std::error_code error;
+  const std::filesystem::path whole = std::filesystem::weakly_canonical(folder, error);
   std::vector<Listed> listed;
-  for (std::filesystem::directory_iterator at(whole, fault), end; !fault && at != end; at.increment(fault)) {
+  for (std::filesystem::directory_iterator at(whole, error), end; !error && at != end; at.increment(error)) {
     const std::string name = at->path().filename().string();
     std::error_code ignored;
     const bool is_folder = at->is_directory(ignored);
-    const bool wanted =
-        is_folder || std::find(endings_.begin(), endings_.end(), at->path().extension()) != endings_.end();
-    if (!name.starts_with(".") && wanted) listed.push_back({name, is_folder});
+    const bool listable = is_folder || std::find(extensions_.begin(), extensions_.end(),
+                                                 at->path().extension()) != extensions_.end();
+    if (!name.starts_with(".") && listable) listed.push_back({name, is_folder});
     if (listed.size() == kMostListed) break;
   }
-  if (fault) {
-    fault_ = whole.string() + ": " + fault.message();
+  if (error) {
+    error_ = whole.string() + ": " + error.message();
     return;
   }
   std::sort(listed.begin(), listed.end(), [](const Listed& a, const Listed& b) {
@@ -50,22 +50,22 @@ void FileChooser::goTo(const std::filesystem::path& folder) {
   });
   listed_ = std::move(listed);
   folder_ = whole;
-  fault_.clear();
+  error_.clear();
 }
 
 bool FileChooser::accept() {
   if (name_.empty()) return false;
   std::filesystem::path file =
       std::filesystem::path(name_).is_absolute() ? std::filesystem::path(name_) : folder_ / name_;
-  std::error_code fault;
-  if (std::filesystem::is_directory(file, fault)) {
+  std::error_code error;
+  if (std::filesystem::is_directory(file, error)) {
     goTo(file);
     name_.clear();
     return false;
   }
-  if (to_write_ && file.extension().empty()) file += endings_.front();
-  if (!to_write_ && !std::filesystem::exists(file, fault)) {
-    fault_ = "there is no " + file.string();
+  if (to_write_ && file.extension().empty()) file += extensions_.front();
+  if (!to_write_ && !std::filesystem::exists(file, error)) {
+    error_ = "No such file: " + file.string();
     return false;
   }
   chosen_(file);
@@ -75,12 +75,12 @@ bool FileChooser::accept() {
 void FileChooser::drawList() {
   ImGui::BeginChild("files", ImVec2(ImGui::GetFontSize() * 30, ImGui::GetFontSize() * 16), true);
   std::filesystem::path next;
-  if (ImGui::Selectable("..  the folder above")) next = folder_.parent_path();
-  for (const Listed& one : listed_) {
-    if (one.is_folder) {
-      if (ImGui::Selectable((one.name + "/").c_str())) next = folder_ / one.name;
-    } else if (ImGui::Selectable(one.name.c_str(), one.name == name_)) {
-      name_ = one.name;
+  if (ImGui::Selectable("..  Parent folder")) next = folder_.parent_path();
+  for (const Listed& entry : listed_) {
+    if (entry.is_folder) {
+      if (ImGui::Selectable((entry.name + "/").c_str())) next = folder_ / entry.name;
+    } else if (ImGui::Selectable(entry.name.c_str(), entry.name == name_)) {
+      name_ = entry.name;
     }
   }
   ImGui::EndChild();
@@ -102,10 +102,10 @@ void FileChooser::draw() {
   if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
   ImGui::SetNextItemWidth(ImGui::GetFontSize() * 30);
   const bool entered =
-      ImGui::InputTextWithHint("##name", "name", &name_, ImGuiInputTextFlags_EnterReturnsTrue);
-  if (!fault_.empty()) ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(look::kBad), "%s", fault_.c_str());
+      ImGui::InputTextWithHint("##name", "Name", &name_, ImGuiInputTextFlags_EnterReturnsTrue);
+  if (!error_.empty()) ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(theme::kBad), "%s", error_.c_str());
   bool done = false;
-  if (ImGui::Button(to_write_ ? "Write" : "Open") || entered) done = accept();
+  if (ImGui::Button(to_write_ ? "Save" : "Open") || entered) done = accept();
   ImGui::SameLine();
   if (ImGui::Button("Cancel") || ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape), false)) done = true;
   if (done) {

@@ -13,10 +13,10 @@ class FileChooser {
  public:
   using Chosen = std::function<void(const std::filesystem::path&)>;
 
-  /// Opens it in `folder`. `endings` are shown (".clay"); an unnamed ending becomes the first when
+  /// Opens it in `folder`. `extensions` are shown (".clay"); an unnamed ending becomes the first when
   /// `to_write`.
-  void open(const std::string& title, const std::filesystem::path& folder, std::vector<std::string> endings,
-            bool to_write, Chosen chosen);
+  void open(const std::string& title, const std::filesystem::path& folder,
+            std::vector<std::string> extensions, bool to_write, Chosen chosen);
   bool isOpen() const { return open_; }
   /// \pre between Window::begin(), with an interface, and draw()
   void draw();
@@ -31,9 +31,9 @@ class FileChooser {
   void drawList();
 
   bool open_ = false, asked_ = false, to_write_ = false;
-  std::string title_, fault_, name_;
+  std::string title_, error_, name_;
   std::filesystem::path folder_;
-  std::vector<std::string> endings_;
+  std::vector<std::string> extensions_;
   std::vector<Listed> listed_;
   Chosen chosen_;
 };

@@ -29,29 +29,29 @@ ImVec4 colorOf(std::uint32_t packed) {
   return ImGui::ColorConvertU32ToFloat4(packed);
 }
 
-struct TrustWords {
-  const char* word;
+struct TrustLabel {
+  const char* text;
   std::uint32_t color;
 };
-TrustWords wordsFor(TrackingState trust) {
+TrustLabel labelOf(TrackingState trust) {
   switch (trust) {
     case TrackingState::kTracking:
-      return {"tracking", look::kGood};
+      return {"Tracking", theme::kGood};
     case TrackingState::kUncertain:
-      return {"uncertain: the clay rests", look::kDoubt};
+      return {"Uncertain: sculpting paused", theme::kDoubt};
     case TrackingState::kLost:
-      return {"lost: the clay rests", look::kBad};
+      return {"Hand lost: sculpting paused", theme::kBad};
     case TrackingState::kNoHand:
       break;
   }
-  return {"nobody there", look::kFaint};
+  return {"No hand", theme::kFaint};
 }
 
 /// A button that stays down.
 bool toggle(const char* label, bool on, const ImVec2& size) {
   if (on) {
-    ImGui::PushStyleColor(ImGuiCol_Button, colorOf(look::kClay));
-    ImGui::PushStyleColor(ImGuiCol_ButtonHovered, colorOf(look::kClay));
+    ImGui::PushStyleColor(ImGuiCol_Button, colorOf(theme::kClay));
+    ImGui::PushStyleColor(ImGuiCol_ButtonHovered, colorOf(theme::kClay));
     ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(1, 1, 1, 1));
   }
   const bool pressed = ImGui::Button(label, size);
@@ -74,8 +74,8 @@ bool iconToggle(const Tool& tool, bool on, const ImVec2& size) {
   return pressed;
 }
 
-void tip(const char* words) {
-  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", words);
+void tip(const char* text) {
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", text);
 }
 
 }  // namespace
@@ -98,16 +98,16 @@ void Meter::shown(std::optional<double> latency_ms) {
   latency_ms_ = median(values);
 }
 
-PanelRequests Panels::draw(const Snapshot& snapshot, const Stage& stage, const Meter& meter) {
+PanelRequests Panels::draw(const Snapshot& snapshot, const Viewport& viewport, const Meter& meter) {
   PanelRequests requests;
   insets_.clear();
   const DocumentView document = session_.documentView();
   drawMenu(document, requests);
   if (settings_.show_panels) {
     drawTools(document, requests);
-    drawStatus(snapshot, stage, meter);
+    drawStatus(snapshot, viewport, meter);
   }
-  drawHint(snapshot, stage);
+  drawHint(snapshot, viewport);
   drawTask();
   return requests;
 }
@@ -126,9 +126,9 @@ void Panels::drawMenu(const DocumentView& document, PanelRequests& requests) {
     requests.record = ImGui::MenuItem(session_.recorderView().recording ? "Stop recording" : "Record",
                                       "Ctrl R", false, !session_.replaying());
     ImGui::Separator();
-    requests.import = ImGui::MenuItem("Import a cage (OBJ)...");
-    requests.export_surface = ImGui::MenuItem("Export the surface...", "Ctrl E");
-    requests.export_cage = ImGui::MenuItem("Export the cage...");
+    requests.import = ImGui::MenuItem("Import cage (OBJ)...");
+    requests.export_surface = ImGui::MenuItem("Export surface...", "Ctrl E");
+    requests.export_cage = ImGui::MenuItem("Export cage...");
     ImGui::EndMenu();
   }
   if (ImGui::BeginMenu("Edit")) {
@@ -139,7 +139,7 @@ void Panels::drawMenu(const DocumentView& document, PanelRequests& requests) {
     if (ImGui::MenuItem("Refine", "R")) session_.refineClay();
     ImGui::EndMenu();
   }
-  if (ImGui::BeginMenu("Show")) {
+  if (ImGui::BeginMenu("View")) {
     ImGui::MenuItem("Panels", "Tab", &settings_.show_panels);
     ImGui::MenuItem("Control cage", "G", &settings_.show_cage);
     ImGui::MenuItem("Data points", "P", &settings_.show_points);
@@ -173,28 +173,28 @@ void Panels::drawTools(const DocumentView& document, PanelRequests& requests) {
   const struct {
     bool& on;
     const char *label, *tip;
-  } planes[] = {{settings_.symmetry.x, "x", "Left and right alike  (X)"},
-                {settings_.symmetry.y, "y", "Front and back alike  (Y)"},
-                {settings_.symmetry.z, "z", "Top and bottom alike"}};
-  for (const auto& [on, label, words] : planes) {
+  } planes[] = {{settings_.symmetry.x, "x", "Mirror left and right  (X)"},
+                {settings_.symmetry.y, "y", "Mirror front and back  (Y)"},
+                {settings_.symmetry.z, "z", "Mirror top and bottom"}};
+  for (const auto& [on, label, text] : planes) {
     if (&on != &settings_.symmetry.x) ImGui::SameLine();
     if (toggle(label, on, ImVec2(third.x, em * 1.8f))) on = !on;
-    tip(words);
+    tip(text);
   }
   const float half = (3 * third.x + ImGui::GetStyle().ItemSpacing.x) / 2;
   drawClutch(half, requests);
-  ImGui::Checkbox("Steady hand", &settings_.filtered);
-  tip("A hand at rest does not tremble; costs a few milliseconds");
+  ImGui::Checkbox("Filter hand motion", &settings_.filtered);
+  tip("Steady the hand at rest; adds a few milliseconds of latency");
   ImGui::Separator();
   const ImVec2 pair(half, em * 1.9f);
   if (ImGui::Button("Undo", pair)) session_.undo();
-  tip(document.undo ? document.undo->c_str() : "nothing to undo");
+  tip(document.undo ? document.undo->c_str() : "Nothing to undo");
   ImGui::SameLine();
   if (ImGui::Button("Redo", pair)) session_.redo();
-  tip(document.redo ? document.redo->c_str() : "nothing to redo");
+  tip(document.redo ? document.redo->c_str() : "Nothing to redo");
   drawRecorder(ImVec2(2 * half + ImGui::GetStyle().ItemSpacing.x, em * 1.9f), requests);
   drawSurface(document);
-  if (ImGui::CollapsingHeader("Show")) drawShown();
+  if (ImGui::CollapsingHeader("View")) drawShown();
   ImGui::End();
 }
 
@@ -218,19 +218,19 @@ void Panels::drawToolSettings(ToolChoice& choice, float width) {
 void Panels::drawClutch(float half, PanelRequests& requests) {
   const ImVec2 size(half, ImGui::GetFontSize() * 1.8f);
   ImGui::TextDisabled("Clutch");
-  if (toggle("On touch", settings_.clutch == Clutch::kContact, size)) settings_.clutch = Clutch::kContact;
-  tip("Whatever the hand touches, it shapes");
+  if (toggle("On contact", settings_.clutch == Clutch::kContact, size)) settings_.clutch = Clutch::kContact;
+  tip("Sculpt whenever the hand touches the clay");
   ImGui::SameLine();
-  if (toggle("Hold a key", settings_.clutch == Clutch::kHold, size)) settings_.clutch = Clutch::kHold;
-  tip("Only while the clutch's key is down; a foot pedal types one, too");
+  if (toggle("Hold key", settings_.clutch == Clutch::kHold, size)) settings_.clutch = Clutch::kHold;
+  tip("Sculpt only while the clutch key is down; a foot pedal also sends a key");
   if (settings_.clutch != Clutch::kHold) asks_for_key_ = false;
   if (settings_.clutch != Clutch::kHold) return;
-  const std::string words =
-      asks_for_key_ ? "Press a key, or the pedal" : "Key: " + keyName(settings_.clutch_key);
-  if (toggle((words + "##clutch key").c_str(), asks_for_key_,
+  const std::string label =
+      asks_for_key_ ? "Press a key or the pedal" : "Key: " + keyName(settings_.clutch_key);
+  if (toggle((label + "##clutch key").c_str(), asks_for_key_,
              ImVec2(2 * half + ImGui::GetStyle().ItemSpacing.x, size.y)))
     asks_for_key_ = !asks_for_key_;
-  tip("Choose another key");
+  tip("Change the key");
   if (!asks_for_key_) return;
   requests.clutch_key = keyPressed();
   if (requests.clutch_key != 0) asks_for_key_ = false;
@@ -238,14 +238,14 @@ void Panels::drawClutch(float half, PanelRequests& requests) {
 
 void Panels::drawRecorder(const ImVec2& size, PanelRequests& requests) {
   const RecorderView recorder = session_.recorderView();
-  const std::string words =
+  const std::string label =
       recorder.recording ? "Stop  (" + std::to_string(recorder.frames) + " frames)" : "Record";
   ImGui::BeginDisabled(session_.replaying());
-  if (toggle((words + "##record").c_str(), recorder.recording, size)) requests.record = true;
+  if (toggle((label + "##record").c_str(), recorder.recording, size)) requests.record = true;
   ImGui::EndDisabled();
-  tip("Everything that is seen and done goes into a folder, to be played again  (Ctrl R)");
+  tip("Record images and actions to a folder, for replay  (Ctrl R)");
   if (recorder.waited_s > 0.05)
-    ImGui::TextColored(colorOf(look::kDoubt), "the disk is slow: %.1f s waited", recorder.waited_s);
+    ImGui::TextColored(colorOf(theme::kDoubt), "Slow disk: waited %.1f s", recorder.waited_s);
 }
 
 /// Work that takes longer than a blink, on the session's own thread.
@@ -265,64 +265,64 @@ void Panels::drawTask() {
 
 void Panels::drawSurface(const DocumentView& document) {
   if (!ImGui::CollapsingHeader("Clay")) return;
-  ImGui::Text("%d control points, %d on the surface", document.control_points, document.data_points);
+  ImGui::Text("%d control points, %d data points", document.control_points, document.data_points);
   int levels = document.levels;
   ImGui::SetNextItemWidth(ImGui::GetFontSize() * 6);
-  if (ImGui::InputInt("level", &levels, 1, 1)) {
+  if (ImGui::InputInt("Level", &levels, 1, 1)) {
     levels = std::clamp(levels, 1, 6);
     if (levels != document.levels) session_.setSurface(levels, document.rule, document.solve);
   }
-  tip("How often the cage is subdivided");
+  tip("Number of subdivisions of the cage");
   int rule = document.rule == SubdivisionRule::kPrinted;
   ImGui::SetNextItemWidth(ImGui::GetFontSize() * 9);
-  if (ImGui::Combo("rule", &rule, "Catmull-Clark\0as printed\0"))
+  if (ImGui::Combo("Rule", &rule, "Catmull-Clark\0As printed\0"))
     session_.setSurface(document.levels, rule ? SubdivisionRule::kPrinted : SubdivisionRule::kCatmullClark,
                         document.solve);
   ImGui::SetNextItemWidth(ImGui::GetFontSize() * 9);
-  if (ImGui::BeginCombo("solve", document.solve->name)) {
+  if (ImGui::BeginCombo("Solve", document.solve->name)) {
     for (const SolveMethod* method : solveMethods())
       if (ImGui::Selectable(method->name, method == document.solve) && method != document.solve)
         session_.setSurface(document.levels, document.rule, method);
     ImGui::EndCombo();
   }
   if (ImGui::Button("Refine")) session_.refineClay();
-  tip("A finer cage under the same surface, to add detail  (R)");
+  tip("Refine the cage without changing the surface, to add detail  (R)");
 }
 
 void Panels::drawShown() {
-  ImGui::Checkbox("control cage", &settings_.show_cage);
-  ImGui::Checkbox("data points", &settings_.show_points);
-  if (session_.hasRecording()) ImGui::Checkbox("voxels", &settings_.show_voxels);
-  ImGui::Checkbox("skeleton", &settings_.show_skeleton);
-  ImGui::Checkbox("cameras", &settings_.show_cameras);
+  ImGui::Checkbox("Control cage", &settings_.show_cage);
+  ImGui::Checkbox("Data points", &settings_.show_points);
+  if (session_.hasRecording()) ImGui::Checkbox("Voxels", &settings_.show_voxels);
+  ImGui::Checkbox("Skeleton", &settings_.show_skeleton);
+  ImGui::Checkbox("Cameras", &settings_.show_cameras);
 }
 
-void Panels::drawStatus(const Snapshot& snapshot, const Stage& stage, const Meter& meter) {
+void Panels::drawStatus(const Snapshot& snapshot, const Viewport& viewport, const Meter& meter) {
   const float width = ImGui::GetIO().DisplaySize.x;
   ImGui::SetNextWindowPos(ImVec2(width - kMargin, menu_height_ + kMargin), ImGuiCond_Always, ImVec2(1, 0));
   ImGui::Begin("Hand", nullptr, kPanel);
-  const TrustWords trust = snapshot.learning ? TrustWords{"learning the empty workspace", look::kFaint}
-                           : snapshot.ended  ? TrustWords{"the recording has ended", look::kFaint}
-                           : snapshot.silent ? TrustWords{"no images come", look::kFaint}
-                                             : wordsFor(snapshot.trust);
+  const TrustLabel trust = snapshot.learning ? TrustLabel{"Learning the background", theme::kFaint}
+                           : snapshot.ended  ? TrustLabel{"End of the recording", theme::kFaint}
+                           : snapshot.silent ? TrustLabel{"No images", theme::kFaint}
+                                             : labelOf(snapshot.trust);
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float em = ImGui::GetFontSize();
   ImGui::GetWindowDrawList()->AddCircleFilled(ImVec2(at.x + em * 0.4f, at.y + em * 0.55f), em * 0.34f,
                                               trust.color);
   ImGui::Dummy(ImVec2(em * 0.9f, em));
   ImGui::SameLine();
-  ImGui::TextUnformatted(trust.word);
-  ImGui::Text("%.0f images a second, %.0f frames tracked", meter.frameHz(), snapshot.rate_hz);
-  ImGui::Text("%.0f ms from camera to image", meter.latencyMs());
+  ImGui::TextUnformatted(trust.text);
+  ImGui::Text("%.0f images/s drawn, %.0f frames/s tracked", meter.frameHz(), snapshot.rate_hz);
+  ImGui::Text("Latency: %.0f ms", meter.latencyMs());
   if (session_.hasRecording()) {
     const HandFit& fit = snapshot.result.fit;
-    if (fit.tracked) ImGui::Text("%.0f %% of the skin outside the hull", 100 * fit.outside_fraction);
+    if (fit.tracked) ImGui::Text("Skin outside the hull: %.0f %%", 100 * fit.outside_fraction);
     if (snapshot.skew_s)
-      ImGui::Text("%.1f ms between the cameras", 1000 * *snapshot.skew_s);
+      ImGui::Text("Camera skew: %.1f ms", 1000 * *snapshot.skew_s);
     else
-      ImGui::TextDisabled("cameras without times of their own");
+      ImGui::TextDisabled("Cameras without timestamps");
     for (const std::string& camera_problem : snapshot.camera_problems)
-      ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(look::kClay), "%s", camera_problem.c_str());
+      ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(theme::kClay), "%s", camera_problem.c_str());
     drawStages(snapshot);
   }
   if (settings_.show_graph && meter.history().size() > 1) {
@@ -330,21 +330,21 @@ void Panels::drawStatus(const Snapshot& snapshot, const Stage& stage, const Mete
     const float highest = std::max(120.0f, 1.1f * *std::max_element(values.begin(), values.end()));
     ImGui::PlotLines("##latency", values.data(), static_cast<int>(values.size()), 0, nullptr, 0, highest,
                      ImVec2(Session::kThumbnailWidth - 2 * ImGui::GetStyle().WindowPadding.x, em * 3.5f));
-    tip("Milliseconds from camera to image, over the last frames");
+    tip("Latency from camera to display in milliseconds, last frames");
   }
   status_bottom_ = ImGui::GetWindowPos().y + ImGui::GetWindowHeight();
   ImGui::End();
-  if (session_.hasRecording()) drawCameras(snapshot, stage);
+  if (session_.hasRecording()) drawCameras(snapshot, viewport);
 }
 
 void Panels::drawStages(const Snapshot& snapshot) {
-  std::string words = "decode " + fixed(snapshot.decode_ms, 1);
-  for (const auto& [name, ms] : snapshot.stage_ms) words += ", " + name + " " + fixed(ms, 1);
-  if (snapshot.filter_lag_ms) words += ", steady " + fixed(*snapshot.filter_lag_ms, 0);
+  std::string text = "Decode " + fixed(snapshot.decode_ms, 1);
+  for (const auto& [name, ms] : snapshot.stage_ms) text += ", " + name + " " + fixed(ms, 1);
+  if (snapshot.filter_lag_ms) text += ", filter " + fixed(*snapshot.filter_lag_ms, 0);
   const float top = ImGui::GetCursorPosY();
   ImGui::PushTextWrapPos(ImGui::GetCursorPosX() + Session::kThumbnailWidth -
                          2 * ImGui::GetStyle().WindowPadding.x);
-  ImGui::TextDisabled("%s ms", words.c_str());
+  ImGui::TextDisabled("%s ms", text.c_str());
   ImGui::PopTextWrapPos();
   // always three lines high, or what is below would jump with every digit
   ImGui::SetCursorPosY(std::max(ImGui::GetCursorPosY(),
@@ -353,7 +353,7 @@ void Panels::drawStages(const Snapshot& snapshot) {
 
 /// The images themselves lie under the interface, so this panel has no ground of its own. Where there is no
 /// room for all, they are half as large, in two columns; of still more the wheel brings the others.
-void Panels::drawCameras(const Snapshot& snapshot, const Stage& stage) {
+void Panels::drawCameras(const Snapshot& snapshot, const Viewport& viewport) {
   const std::vector<Camera>& cameras = session_.rig().cameras;
   const ImVec2 window = ImGui::GetIO().DisplaySize;
   constexpr auto gap = static_cast<float>(Session::kThumbnailGap);
@@ -373,7 +373,7 @@ void Panels::drawCameras(const Snapshot& snapshot, const Stage& stage) {
     const float left = window.x - kMargin - static_cast<float>(Session::kThumbnailWidth) +
                        static_cast<float>(c % columns) * (static_cast<float>(image.width) + gap);
     drawCamera(c, image, ImVec2(left, top + static_cast<float>(c / columns - first) * heightOf(small)),
-               snapshot, stage);
+               snapshot, viewport);
   }
 }
 
@@ -388,42 +388,42 @@ std::size_t Panels::scrollCameras(std::size_t rows, std::size_t shown, const ImV
                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing |
                    ImGuiWindowFlags_NoNav | ImGuiWindowFlags_NoMove);
   if (ImGui::IsWindowHovered()) first_camera_row_ -= static_cast<int>(ImGui::GetIO().MouseWheel);
-  tip("The wheel brings the other cameras");
+  tip("Scroll for more cameras");
   ImGui::End();
   first_camera_row_ = std::clamp(first_camera_row_, 0, static_cast<int>(rows - shown));
   return static_cast<std::size_t>(first_camera_row_);
 }
 
 void Panels::drawCamera(std::size_t c, const Session::Thumbnail& image, const ImVec2& at,
-                        const Snapshot& snapshot, const Stage& stage) {
+                        const Snapshot& snapshot, const Viewport& viewport) {
   const Camera& camera = session_.rig().cameras[c];
   insets_.push_back({&session_.thumbnails(), image.first, image.width, image.height, static_cast<int>(at.x),
                      static_cast<int>(at.y)});
   ImDrawList* draw = ImGui::GetBackgroundDrawList();
   if (snapshot.result.fit.tracked) {
     const float scale = static_cast<float>(image.width) / static_cast<float>(camera.width);
-    for (const auto& [a, b] : stage.outline(c, snapshot.result.fit.world_from_hand))
+    for (const auto& [a, b] : viewport.outline(c, snapshot.result.fit.world_from_hand))
       draw->AddLine(ImVec2(at.x + scale * float(a.x()), at.y + scale * float(a.y())),
                     ImVec2(at.x + scale * float(b.x()), at.y + scale * float(b.y())), 0xFFFFFFFFu, 1.2f);
   }
   draw->AddText(ImVec2(at.x + 6, at.y + 3), 0xE0FFFFFFu, camera.name.c_str());
 }
 
-void Panels::drawHint(const Snapshot& snapshot, const Stage& stage) {
-  std::string words;
+void Panels::drawHint(const Snapshot& snapshot, const Viewport& viewport) {
+  std::string text;
   if (snapshot.grip_barred) {
-    words = "The hand was lost: press the clutch again to take hold";
-  } else if (stage.gapMetres()) {
-    const double gap_mm = 1000 * *stage.gapMetres();
-    words = gap_mm > 0.5 ? fixed(gap_mm, 0) + " mm to the clay" : "touching";
+    text = "Hand lost: press the clutch again to grip";
+  } else if (viewport.gapMetres()) {
+    const double gap_mm = 1000 * *viewport.gapMetres();
+    text = gap_mm > 0.5 ? fixed(gap_mm, 0) + " mm to the clay" : "Touching";
   } else if (!session_.hasRecording() && !snapshot.world_from_hand) {
-    words = "Drag to bring the hand in; F1 shows all keys";
+    text = "Drag to move the hand into view. F1: keys";
   }
-  if (words.empty()) return;
+  if (text.empty()) return;
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos(ImVec2(size.x / 2, size.y - kMargin), ImGuiCond_Always, ImVec2(0.5f, 1));
   ImGui::Begin("##hint", nullptr, kPanel | ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs);
-  ImGui::TextUnformatted(words.c_str());
+  ImGui::TextUnformatted(text.c_str());
   ImGui::End();
 }
 

@@ -45,7 +45,7 @@ class Panels {
  public:
   Panels(Session& session, StudioSettings& settings) : session_(session), settings_(settings) {}
 
-  PanelRequests draw(const Snapshot& snapshot, const Stage& stage, const Meter& meter);
+  PanelRequests draw(const Snapshot& snapshot, const Viewport& viewport, const Meter& meter);
   /// Where the cameras' images lie, of the panels drawn last.
   std::span<const Inset> insets() const { return insets_; }
   /// The next key that is pressed is to be the clutch: it means nothing else.
@@ -60,13 +60,13 @@ class Panels {
   void drawTask();
   void drawSurface(const DocumentView& document);
   void drawShown();
-  void drawStatus(const Snapshot& snapshot, const Stage& stage, const Meter& meter);
+  void drawStatus(const Snapshot& snapshot, const Viewport& viewport, const Meter& meter);
   void drawStages(const Snapshot& snapshot);
-  void drawCameras(const Snapshot& snapshot, const Stage& stage);
+  void drawCameras(const Snapshot& snapshot, const Viewport& viewport);
   std::size_t scrollCameras(std::size_t rows, std::size_t shown, const ImVec2& right_top, float room);
   void drawCamera(std::size_t camera, const Session::Thumbnail& image, const ImVec2& at,
-                  const Snapshot& snapshot, const Stage& stage);
-  void drawHint(const Snapshot& snapshot, const Stage& stage);
+                  const Snapshot& snapshot, const Viewport& viewport);
+  void drawHint(const Snapshot& snapshot, const Viewport& viewport);
 
   Session& session_;
   StudioSettings& settings_;

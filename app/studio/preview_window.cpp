@@ -14,14 +14,14 @@ namespace {
 constexpr double kLookUpS = 0.05;
 
 ImU32 colorOf(CameraState state) {
-  if (state == CameraState::kLive) return look::kGood;
-  return state == CameraState::kLate || state == CameraState::kEnded ? look::kDoubt : look::kBad;
+  if (state == CameraState::kLive) return theme::kGood;
+  return state == CameraState::kLate || state == CameraState::kEnded ? theme::kDoubt : theme::kBad;
 }
 
 CameraLabel labelOf(const CameraStatus& camera) {
-  std::string how = std::string(wordsOn(camera.state)) + ", " + fixed(camera.measured_hz, 1) + " of " +
+  std::string how = std::string(nameOf(camera.state)) + ", " + fixed(camera.measured_hz, 1) + " of " +
                     fixed(camera.rate_hz, 1) + " Hz, " + std::to_string(camera.drops) + " drops, " +
-                    fixed(1000 * camera.skew_s, 1) + " ms off";
+                    fixed(1000 * camera.skew_s, 1) + " ms skew";
   if (camera.state != CameraState::kLive && !camera.fault.empty()) how += ": " + oneLine(camera.fault);
   return {camera.name, std::to_string(camera.size.width) + " x " + std::to_string(camera.size.height), how,
           colorOf(camera.state)};

@@ -116,7 +116,7 @@ void saveSettings(const StudioSettings& settings) {
     std::filesystem::create_directories(configFolder());
     writeWhole(settingsFile(), text.str());
   } catch (const std::exception& error) {
-    printWarning(std::string("the studio's settings are not remembered: ") + error.what());
+    printWarning(std::string("cannot save the studio's settings: ") + error.what());
   }
 }
 

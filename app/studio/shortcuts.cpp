@@ -62,10 +62,10 @@ int keyPressed() {
 }
 
 std::optional<std::string> meaningOf(const std::vector<KeyGroup>& groups, int key) {
-  if (key == GLFW_KEY_ESCAPE) return "to close and to cancel";
+  if (key == GLFW_KEY_ESCAPE) return "Close or cancel";
   for (const int modifier :
        {GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL, GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT})
-    if (key == modifier) return "for other keys to be held with it";
+    if (key == modifier) return "Modifier key";
   for (const KeyGroup& group : groups)
     for (const KeyBinding& binding : group.bindings) {
       const bool pressed = binding.act && binding.key == key && !binding.ctrl && !binding.shift;
@@ -80,7 +80,7 @@ bool drawHelp(const std::vector<KeyGroup>& groups) {
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos(ImVec2(size.x / 2, size.y / 2), ImGuiCond_Always, ImVec2(0.5f, 0.5f));
   ImGui::SetNextWindowFocus();
-  ImGui::SetNextWindowBgAlpha(1);  // or the panels' words would shine through
+  ImGui::SetNextWindowBgAlpha(1);  // or the panels' text would show through
   ImGui::Begin(
       "##help", &open,
       ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings);
@@ -98,7 +98,7 @@ bool drawHelp(const std::vector<KeyGroup>& groups) {
     ImGui::TextDisabled("%s", group.title.c_str());
     for (const KeyBinding& binding : group.bindings) {
       ImGui::SetCursorPosX(x);
-      ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(look::kClay), "%s", binding.shown.c_str());
+      ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(theme::kClay), "%s", binding.shown.c_str());
       ImGui::SameLine(x + key_width);
       ImGui::TextUnformatted(binding.does.c_str());
     }
@@ -106,7 +106,7 @@ bool drawHelp(const std::vector<KeyGroup>& groups) {
   }
   ImGui::SetCursorPos(ImVec2(left, std::max(bottoms[0], bottoms[1])));
   ImGui::Separator();
-  ImGui::TextDisabled("Esc or F1 closes this");
+  ImGui::TextDisabled("Esc or F1: close");
   const bool clicked_away = ImGui::IsMouseClicked(0) && !ImGui::IsWindowHovered();
   ImGui::End();
   return open && !clicked_away && !ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape), false);

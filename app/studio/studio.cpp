@@ -36,9 +36,9 @@ double residentMegabytes() {
   return static_cast<double>(resident) * 4096 / 1e6;
 }
 
-const char* wordFor(TrackingState trust) {
-  constexpr const char* kWords[] = {"nobody", "tracking", "uncertain", "lost"};
-  return kWords[static_cast<int>(trust)];
+const char* nameOf(TrackingState trust) {
+  constexpr const char* kNames[] = {"nobody", "tracking", "uncertain", "lost"};
+  return kNames[static_cast<int>(trust)];
 }
 
 }  // namespace
@@ -52,7 +52,7 @@ class Studio {
         gpu_(gpu),
         window_(gpu, {options.title, settings_.window_width, settings_.window_height}),
         session_(gpu, waking(session), std::move(document)),
-        stage_(gpu, session_, options.forearm),
+        viewport_(gpu, session_, options.forearm),
         panels_(session_, settings_),
         view_(session.rig.workspace.edge_m),
         recorder_(gpu),
@@ -63,9 +63,9 @@ class Studio {
     settings_.first_run = false;
     bindKeys();
     if (const auto taken = meaningOf(keys_, settings_.clutch_key)) {
-      notes_.push_back(
-          {"the clutch is the space bar: " + keyName(settings_.clutch_key) + " is there already, " + *taken,
-           Clock::now()});
+      notes_.push_back({"Clutch key reset to Space: " + keyName(settings_.clutch_key) + " is already used (" +
+                            *taken + ")",
+                        Clock::now()});
       settings_.clutch_key = StudioSettings().clutch_key;
       bindKeys();
     }
@@ -101,7 +101,7 @@ class Studio {
   }
 
   struct Note {
-    std::string words;
+    std::string text;
     Clock::time_point since;
   };
 
@@ -127,9 +127,9 @@ class Studio {
     last_image_ = Clock::now();
     session_.withClay([&](const Session::ClayOnDevice& clay) {
       recorder_.begin(timed_frames_.next());
-      stage_.record(recorder_, clay, snapshot, settings_,
-                    {view_.view(), window_.width(), window_.height(), moving()});
-      window_.draw(recorder_, stage_.image(), panels_.insets());
+      viewport_.record(recorder_, clay, snapshot, settings_,
+                       {view_.view(), window_.width(), window_.height(), moving()});
+      window_.draw(recorder_, viewport_.image(), panels_.insets());
     });
     session_.renderSubmitted(snapshot.serial);
     window_.show(recorder_);
@@ -145,7 +145,7 @@ class Studio {
 
   void drawInterface(const Snapshot& snapshot) {
     takeInput(std::min(secondsBetween(last_image_, Clock::now()), 0.1));
-    const PanelRequests requests = panels_.draw(snapshot, stage_, meter_);
+    const PanelRequests requests = panels_.draw(snapshot, viewport_, meter_);
     grant(requests);
     chooser_.draw();
     if (show_help_) show_help_ = drawHelp(keys_);
@@ -165,42 +165,43 @@ class Studio {
     const auto shown_only = [](const std::string& shown, const char* does, std::vector<int> held = {}) {
       return KeyBinding{0, false, false, shown, does, {}, false, std::move(held)};
     };
-    keys_ = {
-        {"Sculpt",
-         {shown_only(keyName(settings_.clutch_key), "the clutch, while it is held"),
-          key(GLFW_KEY_X, "X", "symmetry left and right", [this] { settings_.symmetry.x ^= true; }),
-          key(GLFW_KEY_Y, "Y", "symmetry front and back", [this] { settings_.symmetry.y ^= true; }),
-          shown_only("Arrows", "turn the clay", {GLFW_KEY_LEFT, GLFW_KEY_RIGHT, GLFW_KEY_UP, GLFW_KEY_DOWN}),
-          key(GLFW_KEY_R, "R", "refine: the same surface, a finer cage", [this] { session_.refineClay(); })}},
-        {"Undo and files",
-         {ctrl(
-              GLFW_KEY_Z, false, "Ctrl Z", "undo", [this] { session_.undo(); }, true),
-          ctrl(
-              GLFW_KEY_Z, true, "Ctrl Shift Z", "redo", [this] { session_.redo(); }, true),
-          ctrl(
-              GLFW_KEY_Y, false, "Ctrl Y", "redo", [this] { session_.redo(); }, true),
-          ctrl(GLFW_KEY_O, false, "Ctrl O", "open a document", [this] { askOpen(); }),
-          ctrl(GLFW_KEY_S, false, "Ctrl S", "save as: every edit is kept anyway", [this] { askSave(); }),
-          ctrl(GLFW_KEY_E, false, "Ctrl E", "export", [this] { askExport(true); }),
-          ctrl(GLFW_KEY_R, false, "Ctrl R", "record what is seen and done, stop", [this] { recordOrStop(); }),
-          shown_only("Esc", "cancel work that takes long"),
-          ctrl(GLFW_KEY_Q, false, "Ctrl Q", "leave", [this] { window_.close(); })}},
-        {"Look",
-         {shown_only("Right drag", "orbit"), shown_only("Middle drag", "pan"), shown_only("Wheel", "zoom"),
-          key(GLFW_KEY_5, "5", "front", [this] { view_.front(); }),
-          key(GLFW_KEY_6, "6", "side", [this] { view_.side(); }),
-          key(GLFW_KEY_7, "7", "top", [this] { view_.top(); }),
-          key(GLFW_KEY_F, "F", "fit the clay",
-              [this] { view_.fit(stage_.clayCenter(), stage_.clayRadius()); }),
-          key(GLFW_KEY_HOME, "Home", "the first view again", [this] { view_.reset(); })}},
-        {"Show",
-         {key(GLFW_KEY_G, "G", "control cage", [this] { settings_.show_cage ^= true; }),
-          key(GLFW_KEY_P, "P", "data points", [this] { settings_.show_points ^= true; }),
-          key(GLFW_KEY_V, "V", "voxels", [this] { settings_.show_voxels ^= true; }),
-          key(GLFW_KEY_B, "B", "skeleton", [this] { settings_.show_skeleton ^= true; }),
-          key(GLFW_KEY_C, "C", "cameras", [this] { settings_.show_cameras ^= true; }),
-          key(GLFW_KEY_TAB, "Tab", "panels", [this] { settings_.show_panels ^= true; }),
-          key(GLFW_KEY_F1, "F1", "this help", [this] { show_help_ = !show_help_; })}}};
+    keys_ = {{"Sculpt",
+              {shown_only(keyName(settings_.clutch_key), "Clutch (hold)"),
+               key(GLFW_KEY_X, "X", "Mirror left and right", [this] { settings_.symmetry.x ^= true; }),
+               key(GLFW_KEY_Y, "Y", "Mirror front and back", [this] { settings_.symmetry.y ^= true; }),
+               shown_only("Arrows", "Rotate the clay",
+                          {GLFW_KEY_LEFT, GLFW_KEY_RIGHT, GLFW_KEY_UP, GLFW_KEY_DOWN}),
+               key(GLFW_KEY_R, "R", "Refine the cage", [this] { session_.refineClay(); })}},
+             {"Edit and file",
+              {ctrl(
+                   GLFW_KEY_Z, false, "Ctrl Z", "Undo", [this] { session_.undo(); }, true),
+               ctrl(
+                   GLFW_KEY_Z, true, "Ctrl Shift Z", "Redo", [this] { session_.redo(); }, true),
+               ctrl(
+                   GLFW_KEY_Y, false, "Ctrl Y", "Redo", [this] { session_.redo(); }, true),
+               ctrl(GLFW_KEY_O, false, "Ctrl O", "Open a document", [this] { askOpen(); }),
+               ctrl(GLFW_KEY_S, false, "Ctrl S", "Save as (every edit is saved automatically)",
+                    [this] { askSave(); }),
+               ctrl(GLFW_KEY_E, false, "Ctrl E", "Export", [this] { askExport(true); }),
+               ctrl(GLFW_KEY_R, false, "Ctrl R", "Start or stop recording", [this] { recordOrStop(); }),
+               shown_only("Esc", "Cancel the running task"),
+               ctrl(GLFW_KEY_Q, false, "Ctrl Q", "Quit", [this] { window_.close(); })}},
+             {"Navigate",
+              {shown_only("Right drag", "Orbit"), shown_only("Middle drag", "Pan"),
+               shown_only("Wheel", "Zoom"), key(GLFW_KEY_5, "5", "Front view", [this] { view_.front(); }),
+               key(GLFW_KEY_6, "6", "Side view", [this] { view_.side(); }),
+               key(GLFW_KEY_7, "7", "Top view", [this] { view_.top(); }),
+               key(GLFW_KEY_F, "F", "Frame the clay",
+                   [this] { view_.fit(viewport_.clayCenter(), viewport_.clayRadius()); }),
+               key(GLFW_KEY_HOME, "Home", "Reset the view", [this] { view_.reset(); })}},
+             {"View",
+              {key(GLFW_KEY_G, "G", "Control cage", [this] { settings_.show_cage ^= true; }),
+               key(GLFW_KEY_P, "P", "Data points", [this] { settings_.show_points ^= true; }),
+               key(GLFW_KEY_V, "V", "Voxels", [this] { settings_.show_voxels ^= true; }),
+               key(GLFW_KEY_B, "B", "Skeleton", [this] { settings_.show_skeleton ^= true; }),
+               key(GLFW_KEY_C, "C", "Cameras", [this] { settings_.show_cameras ^= true; }),
+               key(GLFW_KEY_TAB, "Tab", "Panels", [this] { settings_.show_panels ^= true; }),
+               key(GLFW_KEY_F1, "F1", "This help", [this] { show_help_ = !show_help_; })}}};
     std::vector<KeyBinding> tool_keys;
     for (std::size_t i = 0; i < std::min(settings_.tools.size(), kToolKeys); ++i) {
       tool_keys.push_back(
@@ -210,22 +211,21 @@ class Studio {
     keys_.front().bindings.insert(keys_.front().bindings.begin(), tool_keys.begin(), tool_keys.end());
     if (session_.isLive())
       keys_.push_back({"Cameras",
-                       {key(GLFW_KEY_E, "E", "learn the empty workspace again: hand and arm away",
+                       {key(GLFW_KEY_E, "E", "Relearn the background (keep hand and arm out)",
                             [this] { session_.relearnBackground(); })}});
     else if (session_.hasRecording())
-      keys_.push_back(
-          {"Recording",
-           {key(GLFW_KEY_BACKSPACE, "Backspace", "from the start", [this] { session_.restartTake(); }),
-            key(GLFW_KEY_PAUSE, "Pause", "pause, go on",
-                [this] { session_.pauseTake(paused_ = !paused_); })}});
+      keys_.push_back({"Recording",
+                       {key(GLFW_KEY_BACKSPACE, "Backspace", "Restart", [this] { session_.restartTake(); }),
+                        key(GLFW_KEY_PAUSE, "Pause", "Pause or resume",
+                            [this] { session_.pauseTake(paused_ = !paused_); })}});
     else
-      keys_.push_back({"The mouse's hand",
-                       {shown_only("Left drag", "moves it"),
-                        shown_only("Shift wheel, W S", "farther, nearer", {GLFW_KEY_W, GLFW_KEY_S}),
-                        shown_only("J L, I K, U O", "turn it",
-                                   {GLFW_KEY_J, GLFW_KEY_L, GLFW_KEY_I, GLFW_KEY_K, GLFW_KEY_U, GLFW_KEY_O}),
-                        key(GLFW_KEY_H, "H", "take it away, bring it back",
-                            [this] { mouse_hand_.present = !mouse_hand_.present; })}});
+      keys_.push_back(
+          {"Mouse hand",
+           {shown_only("Left drag", "Move"),
+            shown_only("Shift wheel, W S", "Farther, nearer", {GLFW_KEY_W, GLFW_KEY_S}),
+            shown_only("J L, I K, U O", "Rotate",
+                       {GLFW_KEY_J, GLFW_KEY_L, GLFW_KEY_I, GLFW_KEY_K, GLFW_KEY_U, GLFW_KEY_O}),
+            key(GLFW_KEY_H, "H", "Hide or show", [this] { mouse_hand_.present = !mouse_hand_.present; })}});
   }
 
   void takeInput(double step_s) {
@@ -294,7 +294,7 @@ class Studio {
     if (requests.save_as) askSave();
     if (requests.export_surface || requests.export_cage) askExport(requests.export_surface);
     if (requests.import)
-      chooser_.open("Import a cage", settings_.folder, {".obj"}, false,
+      chooser_.open("Import cage", settings_.folder, {".obj"}, false,
                     [this](const std::filesystem::path& file) { remember(file), session_.importCage(file); });
     if (requests.help) show_help_ = true;
     if (requests.record) recordOrStop();
@@ -319,7 +319,7 @@ class Studio {
     if (const std::optional<std::string> taken = meaningOf(keys_, key)) {
       if (key != GLFW_KEY_ESCAPE)
         notes_.push_back(
-            {keyName(key) + " is there already: " + *taken + "; choose another key", Clock::now()});
+            {keyName(key) + " is already used: " + *taken + "; choose another key", Clock::now()});
       return;
     }
     settings_.clutch_key = key;
@@ -335,7 +335,7 @@ class Studio {
                   [this](const std::filesystem::path& file) { remember(file), session_.saveAs(file); });
   }
   void askExport(bool surface) {
-    chooser_.open(surface ? "Export the surface" : "Export the cage", settings_.folder,
+    chooser_.open(surface ? "Export surface" : "Export cage", settings_.folder,
                   {".stl", ".obj", ".ply", ".glb"}, true, [this, surface](const std::filesystem::path& file) {
                     remember(file), session_.exportMesh(file, surface);
                   });
@@ -349,11 +349,11 @@ class Studio {
       session_.importCage(file);
     else
       notes_.push_back(
-          {file.filename().string() + " is neither a document (.clay) nor a cage (.obj)", Clock::now()});
+          {file.filename().string() + ": not a document (.clay) or a cage (.obj)", Clock::now()});
   }
 
   void drawNotes() {
-    for (const std::string& words : session_.takeMessages()) notes_.push_back({words, Clock::now()});
+    for (const std::string& text : session_.takeMessages()) notes_.push_back({text, Clock::now()});
     while (!notes_.empty() && secondsBetween(notes_.front().since, Clock::now()) > kNoteSeconds)
       notes_.pop_front();
     if (notes_.empty()) return;
@@ -363,7 +363,7 @@ class Studio {
                  ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoInputs |
                      ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings |
                      ImGuiWindowFlags_NoFocusOnAppearing);
-    for (const Note& note : notes_) ImGui::TextUnformatted(note.words.c_str());
+    for (const Note& note : notes_) ImGui::TextUnformatted(note.text.c_str());
     ImGui::End();
   }
 
@@ -386,7 +386,7 @@ class Studio {
     const json line = {{"picture_hz", meter_.frameHz()},
                        {"tracking_hz", snapshot.rate_hz},
                        {"latency_ms", meter_.latencyMs()},
-                       {"hand", wordFor(snapshot.trust)},
+                       {"hand", nameOf(snapshot.trust)},
                        {"frame", snapshot.frame},
                        {"learning", snapshot.learning},
                        {"ended", snapshot.ended},
@@ -398,7 +398,7 @@ class Studio {
                        {"width", window_.width()},
                        {"height", window_.height()},
                        {"screen", window_.screenName()},
-                       {"note", notes_.empty() ? "" : notes_.back().words},
+                       {"note", notes_.empty() ? "" : notes_.back().text},
                        {"recording", session_.recorderView().recording},
                        {"recorded_frames", session_.recorderView().frames},
                        {"working", session_.taskStatus().what},
@@ -420,7 +420,7 @@ class Studio {
   Gpu& gpu_;
   Window window_;
   Session session_;
-  Stage stage_;
+  Viewport viewport_;
   Panels panels_;
   ViewControl view_;
   Recorder recorder_;

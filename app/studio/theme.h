@@ -17,7 +17,7 @@ void applyTheme(double scale);
 ImFont* titleFont();
 
 /// Colours as Dear ImGui packs them.
-namespace look {
+namespace theme {
 inline constexpr std::uint32_t kInk = 0xFF2E3238;    ///< text
 inline constexpr std::uint32_t kFaint = 0xFF7C848E;  ///< less important text
 inline constexpr std::uint32_t kClay = 0xFF3F6BB4;   ///< terracotta: what is chosen
@@ -28,6 +28,6 @@ inline constexpr std::uint32_t kBad = 0xFF3A3AD0;    ///< lost
 inline vec4 paper() {
   return vec4(0.72f, 0.69f, 0.65f, 1);
 }
-}  // namespace look
+}  // namespace theme
 
 }  // namespace airclay

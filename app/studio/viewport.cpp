@@ -22,26 +22,28 @@ constexpr int kMovingTaps = 8, kMovingShadowMap = 320, kMovingGround = 40;
 
 /// All that an image depends on.
 std::vector<double> keyOf(const Session::ClayOnDevice& clay, const Snapshot& snapshot,
-                          const StudioSettings& settings, const ViewportFrame& wanted) {
-  std::vector<double> key = {
-      double(wanted.width),           double(wanted.height),         double(wanted.moving),
-      double(clay.structure_serial),  double(snapshot.clay_serial),  double(snapshot.trust),
-      double(settings.show_voxels),   double(settings.show_cage),    double(settings.show_points),
-      double(settings.show_skeleton), double(settings.show_cameras), wanted.view.vertical_fov_rad,
-      double(settings.symmetry.x),    double(settings.symmetry.y),   double(settings.symmetry.z)};
+                          const StudioSettings& settings, const ViewportFrame& frame) {
+  std::vector<double> key = {double(frame.width),           double(frame.height),
+                             double(frame.moving),          double(clay.structure_serial),
+                             double(snapshot.clay_serial),  double(snapshot.trust),
+                             double(settings.show_voxels),  double(settings.show_cage),
+                             double(settings.show_points),  double(settings.show_skeleton),
+                             double(settings.show_cameras), frame.view.vertical_fov_rad,
+                             double(settings.symmetry.x),   double(settings.symmetry.y),
+                             double(settings.symmetry.z)};
   if (settings.show_voxels) key.push_back(double(snapshot.serial));
   const auto add = [&](const Pose& pose) {
     const Eigen::Matrix4d matrix = pose.matrix();
     key.insert(key.end(), matrix.data(), matrix.data() + matrix.size());
   };
-  add(wanted.view.camera_from_workspace);
+  add(frame.view.camera_from_workspace);
   if (snapshot.world_from_hand) add(*snapshot.world_from_hand);
   return key;
 }
 
 }  // namespace
 
-Stage::Stage(Gpu& gpu, const Session& session, const std::optional<TriangleMesh>& forearm)
+Viewport::Viewport(Gpu& gpu, const Session& session, const std::optional<TriangleMesh>& forearm)
     : gpu_(gpu), session_(session), hand_(gpu, session.hand(), forearm) {
   std::map<std::pair<int, int>, std::size_t> found;
   const std::vector<std::array<int, 3>>& triangles = session.hand().skin.triangles;
@@ -56,7 +58,7 @@ Stage::Stage(Gpu& gpu, const Session& session, const std::optional<TriangleMesh>
     }
 }
 
-void Stage::measure(const Snapshot& snapshot, const std::optional<Pose>& workspace_from_hand) {
+void Viewport::measure(const Snapshot& snapshot, const std::optional<Pose>& workspace_from_hand) {
   Eigen::AlignedBox3d box;
   for (const vec3& point : snapshot.clay_points) box.extend(point.cast<double>());
   clay_center_ = box.center();
@@ -74,7 +76,7 @@ void Stage::measure(const Snapshot& snapshot, const std::optional<Pose>& workspa
   if (nearest < kFarthestGap) gap_m_ = nearest;
 }
 
-Renderer& Stage::rendererFor(int width, int height, bool moving) {
+Renderer& Viewport::rendererFor(int width, int height, bool moving) {
   const bool software = gpu_.isCpu();
   RendererOptions options;
   options.width = width;
@@ -93,8 +95,8 @@ Renderer& Stage::rendererFor(int width, int height, bool moving) {
 }
 
 /// Evaluated again only where the clay has moved since.
-SurfaceBuffers Stage::recordSurface(Recorder& recorder, const Session::ClayOnDevice& clay,
-                                    std::uint64_t clay_serial, bool moving) {
+SurfaceBuffers Viewport::recordSurface(Recorder& recorder, const Session::ClayOnDevice& clay,
+                                       std::uint64_t clay_serial, bool moving) {
   const bool coarse = gpu_.isCpu() && moving;
   DrawnClay& drawn = clays_[coarse];
   if (drawn.structure_serial != clay.structure_serial) {
@@ -111,27 +113,27 @@ SurfaceBuffers Stage::recordSurface(Recorder& recorder, const Session::ClayOnDev
   return drawn.surface->surface();
 }
 
-void Stage::record(Recorder& recorder, const Session::ClayOnDevice& clay, const Snapshot& snapshot,
-                   const StudioSettings& settings, const ViewportFrame& wanted) {
+void Viewport::record(Recorder& recorder, const Session::ClayOnDevice& clay, const Snapshot& snapshot,
+                      const StudioSettings& settings, const ViewportFrame& frame) {
   std::optional<Pose> workspace_from_hand;
   if (snapshot.world_from_hand)
     workspace_from_hand = workspaceFromWorld(session_.rig().workspace) * *snapshot.world_from_hand;
   measure(snapshot, workspace_from_hand);
 
-  Renderer& renderer = rendererFor(wanted.width, wanted.height, wanted.moving);
-  std::vector<double> key = keyOf(clay, snapshot, settings, wanted);
+  Renderer& renderer = rendererFor(frame.width, frame.height, frame.moving);
+  std::vector<double> key = keyOf(clay, snapshot, settings, frame);
   if (&renderer == drawn_ && key == drawn_key_) return;
   drawn_ = &renderer;
   drawn_key_ = std::move(key);
   recorder.stage("image: surface");
-  const SurfaceBuffers surface = recordSurface(recorder, clay, snapshot.clay_serial, wanted.moving);
+  const SurfaceBuffers surface = recordSurface(recorder, clay, snapshot.clay_serial, frame.moving);
   Scene scene = sceneOf(clay, snapshot, settings, workspace_from_hand);
   scene.meshes.push_back({.surface = surface, .workspace_from_mesh = snapshot.workspace_from_clay});
-  drawn_->record(recorder, scene, wanted.view);
+  drawn_->record(recorder, scene, frame.view);
 }
 
-Scene Stage::sceneOf(const Session::ClayOnDevice& clay, const Snapshot& snapshot,
-                     const StudioSettings& settings, const std::optional<Pose>& workspace_from_hand) {
+Scene Viewport::sceneOf(const Session::ClayOnDevice& clay, const Snapshot& snapshot,
+                        const StudioSettings& settings, const std::optional<Pose>& workspace_from_hand) {
   const Workspace& workspace = session_.rig().workspace;
   Scene scene;
   scene.workspace = workspace;
@@ -177,7 +179,7 @@ Scene Stage::sceneOf(const Session::ClayOnDevice& clay, const Snapshot& snapshot
   return scene;
 }
 
-std::vector<std::pair<Vec2, Vec2>> Stage::outline(std::size_t camera, const Pose& world_from_hand) const {
+std::vector<std::pair<Vec2, Vec2>> Viewport::outline(std::size_t camera, const Pose& world_from_hand) const {
   const Camera& seen_by = session_.rig().cameras[camera];
   const TriangleMesh& skin = session_.hand().skin;
   const Vec3 eye_in_hand = (seen_by.camera_from_world * world_from_hand).inverse().translation();

@@ -18,14 +18,14 @@ struct ViewportFrame {
   bool moving = false;        ///< something changes from image to image: a software device saves detail
 };
 
-class Stage {
+class Viewport {
  public:
-  Stage(Gpu& gpu, const Session& session, const std::optional<TriangleMesh>& forearm);
+  Viewport(Gpu& gpu, const Session& session, const std::optional<TriangleMesh>& forearm);
 
   /// Records the image of `snapshot`, unless the last one is like it; it is in image() when the work is
   /// done. The clay may not change its form until that is submitted. \pre the work recorded before is done
   void record(Recorder& recorder, const Session::ClayOnDevice& clay, const Snapshot& snapshot,
-              const StudioSettings& settings, const ViewportFrame& wanted);
+              const StudioSettings& settings, const ViewportFrame& frame);
   /// The last one.
   Image& image() { return drawn_->image(); }
 

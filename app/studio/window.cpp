@@ -25,8 +25,8 @@ constexpr auto kInterfaceStays = std::chrono::milliseconds(100);
 
 std::string last_glfw_fault;
 
-void glfwFault(int, const char* words) {
-  last_glfw_fault = words;
+void glfwFault(int, const char* text) {
+  last_glfw_fault = text;
 }
 
 [[noreturn]] void refuseToOpen() {

@@ -66,9 +66,9 @@ void checkBoard(const Board& board) {
     refuse("--dictionary " + board.dictionary +
            ": 4X4_50, 4X4_100, 4X4_250, 4X4_1000, the same with 5X5, 6X6 and 7X7, or ARUCO_ORIGINAL would be "
            "right");
-  const int wanted = board.squares_x * board.squares_y / 2;
-  if (wanted > dictionary->markers)
-    refuse(squares + "they take " + std::to_string(wanted) + " markers, and --dictionary " +
+  const int required = board.squares_x * board.squares_y / 2;
+  if (required > dictionary->markers)
+    refuse(squares + "they take " + std::to_string(required) + " markers, and --dictionary " +
            board.dictionary + " has " + std::to_string(dictionary->markers) +
            "; fewer squares or a larger dictionary would be right");
 }
@@ -80,11 +80,10 @@ std::string inMillimetres(double length_m) {
 }
 
 std::string describe(const Board& board) {
-  std::string words = std::to_string(board.squares_x) + " x " + std::to_string(board.squares_y) +
-                      " squares of " + inMillimetres(board.square_m) + " mm";
-  if (!board.chessboard)
-    words += ", markers of " + inMillimetres(board.marker_m) + " mm, " + board.dictionary;
-  return words + (board.inverted ? ", inverted" : "");
+  std::string text = std::to_string(board.squares_x) + " x " + std::to_string(board.squares_y) +
+                     " squares of " + inMillimetres(board.square_m) + " mm";
+  if (!board.chessboard) text += ", markers of " + inMillimetres(board.marker_m) + " mm, " + board.dictionary;
+  return text + (board.inverted ? ", inverted" : "");
 }
 
 }  // namespace airclay

@@ -20,8 +20,8 @@ double cellM(const Board& board) {
 }
 
 /// The board of so many squares, as large as the page allows.
-std::optional<Board> onPage(const Board& wanted, std::pair<int, int> grid, Page page) {
-  Board board = wanted;
+std::optional<Board> onPage(const Board& requested, std::pair<int, int> grid, Page page) {
+  Board board = requested;
   std::tie(board.squares_x, board.squares_y) = grid;
   const bool fills = largestSquare(grid.first, grid.second, page) > 0;
   if (!fills || (board.chessboard && (std::min(grid.first, grid.second) < 4 || board.isAmbiguous())))
@@ -49,11 +49,11 @@ double leastCellPixels(const Board& board) {
   return board.chessboard ? 10 : 3;
 }
 
-std::optional<BoardProposal> readableBoard(const Board& wanted, const BoardSight& sight, Page page) {
+std::optional<BoardProposal> readableBoard(const Board& requested, const BoardSight& sight, Page page) {
   for (const Page candidate : {Page::kA4, Page::kA3}) {
     if (page == Page::kA3 && candidate == Page::kA4) continue;
     for (const std::pair<int, int>& grid : kGrids) {
-      const std::optional<Board> board = onPage(wanted, grid, candidate);
+      const std::optional<Board> board = onPage(requested, grid, candidate);
       if (!board) continue;
       const double cell_px = cellPixels(*board, sight);
       if (cell_px >= leastCellPixels(*board)) return BoardProposal{*board, candidate, cell_px};

@@ -32,7 +32,7 @@ struct BoardProposal {
 
 /// A board that the camera reads: of those that A4 or A3 hold (A3 where `page` is A3; A4 before A3 else), the
 /// one of most squares. None where even the largest squares are too small.
-std::optional<BoardProposal> readableBoard(const Board& wanted, const BoardSight& sight, Page page);
+std::optional<BoardProposal> readableBoard(const Board& requested, const BoardSight& sight, Page page);
 
 /// A marker's edge that leaves enough white around it: 0.74 of the square's, in whole millimetres, or tenths
 /// under 10 mm.

@@ -63,8 +63,8 @@ bool isTilted(const Board& board, const BoardView& view) {
   return std::max(unlike, askew) > kTilted;
 }
 
-double reached(double value, double wanted) {
-  return std::min(1.0, value / wanted);
+double reached(double value, double target) {
+  return std::min(1.0, value / target);
 }
 
 }  // namespace
@@ -79,9 +79,10 @@ std::string CollectedCamera::fault() const {
 }
 
 double BoardCollector::shareOf(const CollectedCamera& camera) const {
-  const RequiredViews& wanted = options_.wanted;
-  return (reached(camera.views, wanted.views) + reached(camera.shared_views, wanted.shared) +
-          reached(camera.coverage.share(), wanted.coverage) + reached(camera.tilted_views, wanted.tilted)) /
+  const RequiredViews& required = options_.required;
+  return (reached(camera.views, required.views) + reached(camera.shared_views, required.shared) +
+          reached(camera.coverage.share(), required.coverage) +
+          reached(camera.tilted_views, required.tilted)) /
          4;
 }
 
@@ -248,11 +249,11 @@ std::string BoardCollector::advice() const {
   if (least->share >= 1 && apart.size() > 1)
     return "hold the board where " + cameras_[static_cast<std::size_t>(apart[1][0])].name + " and " +
            cameras_[static_cast<std::size_t>(apart[0][0])].name + " see it at once";
-  if (least->views < options_.wanted.views)
+  if (least->views < options_.required.views)
     return "bring the board before " + least->name + ", here and there";
-  if (least->shared_views < options_.wanted.shared)
+  if (least->shared_views < options_.required.shared)
     return "hold the board where " + least->name + " and another camera see it at once";
-  if (least->coverage.share() < options_.wanted.coverage) {
+  if (least->coverage.share() < options_.required.coverage) {
     const std::string sides = least->coverage.emptySides();
     return "move the board to where " + least->name + " has not seen it" +
            (sides.empty() ? "" : ": " + sides);

@@ -27,13 +27,13 @@ struct CollectedCamera {
   int shared_views = 0;                ///< of them, those of boards that another camera saw at the same time
   int tilted_views = 0;  ///< of them, those in which the board was turned away by some 25 degrees
   BoardCoverage coverage;
-  double share = 0;  ///< 0 to 1: of what is wanted of it
+  double share = 0;  ///< 0 to 1: of what is required
 
   /// What is wrong with how it sees the board, in a few words; empty: nothing.
   std::string fault() const;
 };
 
-/// What is wanted of a camera.
+/// What is required of a camera.
 struct RequiredViews {
   int views = kFewViews, shared = kFewShared, tilted = 6;
   double coverage = kPoorCoverage;
@@ -48,7 +48,7 @@ class BoardCollector {
     /// Where the cameras' times are those of arrival, they may be out of step by so much, unseen.
     double unseen_skew_s = 0.002;
     int threads = 2;
-    RequiredViews wanted = {};
+    RequiredViews required = {};
   };
 
   /// Cameras by name and size. \throw Error as checkBoard()
@@ -69,7 +69,7 @@ class BoardCollector {
   const Board& board() const { return detector_.board(); }
   const std::vector<CollectedCamera>& cameras() const { return cameras_; }
   int keptSets() const { return kept_sets_; }
-  /// 0 to 1: of what is wanted.
+  /// 0 to 1: of what is required.
   double share() const;
   bool enough() const;
   /// What to do next, a line.

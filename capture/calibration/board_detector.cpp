@@ -297,8 +297,8 @@ const Board& BoardDetector::board() const {
 
 std::optional<BoardView> BoardDetector::find(ImageSize size, PixelFormat form,
                                              std::span<const std::uint8_t> pixels) const {
-  const std::size_t wanted = std::size_t(size.width) * std::size_t(size.height) * std::size_t(form);
-  if (size.width < 1 || size.height < 1 || pixels.size() != wanted)
+  const std::size_t expected = std::size_t(size.width) * std::size_t(size.height) * std::size_t(form);
+  if (size.width < 1 || size.height < 1 || pixels.size() != expected)
     throw Error("an image of " + std::to_string(size.width) + " x " + std::to_string(size.height) +
                 " pixels was given " + std::to_string(pixels.size()) + " bytes");
   const bool is_grey = form == PixelFormat::kGrey8;

@@ -29,24 +29,24 @@ std::string number(double value) {
 
 /// In millimetres from the page's upper left corner, which the page's matrix makes of PDF's points.
 std::string path(const std::vector<BoardRectangle>& rectangles) {
-  std::string words;
+  std::string text;
   for (const BoardRectangle& r : rectangles)
-    words += number(1e3 * r.left) + " " + number(1e3 * r.top) + " " + number(1e3 * (r.right - r.left)) + " " +
-             number(1e3 * (r.bottom - r.top)) + " re\n";
-  return words;
+    text += number(1e3 * r.left) + " " + number(1e3 * r.top) + " " + number(1e3 * (r.right - r.left)) + " " +
+            number(1e3 * (r.bottom - r.top)) + " re\n";
+  return text;
 }
 
 std::string contentOf(const BoardSheet& sheet) {
   const double points_per_mm = kPointsPerM / 1000, height = kPointsPerM * sheet.height_m;
   // The rectangles lie in each other, black in white in black: one path, filled where an odd number of them
   // lies, has no seams.
-  std::string words = "q\n" + number(points_per_mm) + " 0 0 " + number(-points_per_mm) + " 0 " +
-                      number(height) + " cm\n0 g\n" + path(sheet.board) + "f*\n" + path(sheet.ruler) +
-                      "f\nQ\nBT\n/F1 " + number(kPointsPerM * kTextSizeM) + " Tf\n" +
-                      number(kPointsPerM * kTextLineM) + " TL\n" + number(kPointsPerM * sheet.text_m.x()) +
-                      " " + number(height - kPointsPerM * sheet.text_m.y()) + " Td\n";
-  for (const std::string& line : sheet.lines) words += "(" + line + ") Tj T*\n";
-  return words + "ET\n";
+  std::string text = "q\n" + number(points_per_mm) + " 0 0 " + number(-points_per_mm) + " 0 " +
+                     number(height) + " cm\n0 g\n" + path(sheet.board) + "f*\n" + path(sheet.ruler) +
+                     "f\nQ\nBT\n/F1 " + number(kPointsPerM * kTextSizeM) + " Tf\n" +
+                     number(kPointsPerM * kTextLineM) + " TL\n" + number(kPointsPerM * sheet.text_m.x()) +
+                     " " + number(height - kPointsPerM * sheet.text_m.y()) + " Td\n";
+  for (const std::string& line : sheet.lines) text += "(" + line + ") Tj T*\n";
+  return text + "ET\n";
 }
 
 /// How much of each of the pixels from `first` on lies between two places.

@@ -301,9 +301,10 @@ std::vector<double> focalSigmas(const Bundle& bundle) {
   ceres::Covariance::Options options;
   options.num_threads = 2;
   ceres::Covariance covariance(options);
-  std::vector<std::pair<const double*, const double*>> wanted;
-  for (const LensBlock& lens : blocks.lenses) wanted.emplace_back(lens.data(), lens.data());
-  if (!covariance.Compute(wanted, &blocks.problem)) return sigmas;  // rank deficient: nothing is known
+  std::vector<std::pair<const double*, const double*>> blocks_to_compute;
+  for (const LensBlock& lens : blocks.lenses) blocks_to_compute.emplace_back(lens.data(), lens.data());
+  if (!covariance.Compute(blocks_to_compute, &blocks.problem))
+    return sigmas;  // rank deficient: nothing is known
   for (std::size_t i = 0; i < sigmas.size(); ++i) {
     const double* lens = blocks.lenses[i].data();
     double values[kLensSize * kLensSize];
@@ -321,12 +322,12 @@ std::vector<PoseSigma> poseSigmas(const Bundle& bundle) {
   options.num_threads = 2;
   ceres::Covariance covariance(options);
   std::vector<PoseSigma> sigmas(bundle.cameras.size());
-  std::vector<std::pair<const double*, const double*>> wanted;
-  for (const PoseBlock& pose : blocks.cameras) wanted.emplace_back(pose.data(), pose.data());
-  if (!covariance.Compute(wanted, &blocks.problem)) return sigmas;
+  std::vector<std::pair<const double*, const double*>> blocks_to_compute;
+  for (const PoseBlock& pose : blocks.cameras) blocks_to_compute.emplace_back(pose.data(), pose.data());
+  if (!covariance.Compute(blocks_to_compute, &blocks.problem)) return sigmas;
   for (std::size_t i = 0; i < sigmas.size(); ++i) {
     Eigen::Matrix<double, kPoseSize, kPoseSize, Eigen::RowMajor> values;
-    covariance.GetCovarianceBlock(wanted[i].first, wanted[i].second, values.data());
+    covariance.GetCovarianceBlock(blocks_to_compute[i].first, blocks_to_compute[i].second, values.data());
     sigmas[i].turn = std::sqrt(values.topLeftCorner<3, 3>().trace());
     sigmas[i].place_m = std::sqrt(values.bottomRightCorner<3, 3>().trace());
   }

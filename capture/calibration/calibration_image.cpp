@@ -20,18 +20,18 @@ const cv::Scalar kPaper(250, 250, 250, 255), kInk(40, 40, 40, 255), kFrame(190, 
 constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
 constexpr double kFontScale = 0.5;
 
-void write(cv::Mat& image, const std::string& words, cv::Point place) {
-  cv::putText(image, words, place, kFont, kFontScale, kInk, 1, cv::LINE_AA);
+void write(cv::Mat& image, const std::string& text, cv::Point place) {
+  cv::putText(image, text, place, kFont, kFontScale, kInk, 1, cv::LINE_AA);
 }
 
-/// Moves the words as far as they would reach over the image's edges.
-void writeInside(cv::Mat& image, const std::string& words, cv::Point place) {
+/// Moves text that would extend beyond the image's edges.
+void writeInside(cv::Mat& image, const std::string& text, cv::Point place) {
   constexpr int kEdge_px = 4;
   int below = 0;
-  const cv::Size size = cv::getTextSize(words, kFont, kFontScale, 1, &below);
+  const cv::Size size = cv::getTextSize(text, kFont, kFontScale, 1, &below);
   place.x = std::max(std::min(place.x, image.cols - size.width - kEdge_px), kEdge_px);
   place.y = std::max(std::min(place.y, image.rows - below - kEdge_px), kTitle_px + size.height);
-  write(image, words, place);
+  write(image, text, place);
 }
 
 /// Draws what lies in the world's plane of two of its axes.

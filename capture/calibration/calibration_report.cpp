@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How good a calibration is, and in plain words what is poor about it.
+// How good a calibration is, and in plain text what is poor about it.
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>

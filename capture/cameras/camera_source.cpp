@@ -102,9 +102,9 @@ class RunningSource : public CameraSource {
     times_ = TimeOrigin::kBuffer;
   }
 
-  void ask(int property, double value, const std::string& words) {
+  void ask(int property, double value, const std::string& setting) {
     if (!video_.set(property, value) || std::abs(video_.get(property) - value) > 0.5)
-      throw Error(where(camera_) + "the device does not give " + words +
+      throw Error(where(camera_) + "the device does not support " + setting +
                   "; a mode that `airclay cameras` lists would be right");
   }
 

@@ -39,7 +39,7 @@ struct NamedSource {
 
 /// Reads NAME=SOURCE; names are letters, digits, '-', '_' and '.', for they become files' names.
 /// \throw Error (Fault::kUsage)
-NamedSource parseNamedSource(const std::string& words);
+NamedSource parseNamedSource(const std::string& text);
 
 /// What a device is asked for; one that can't says so, except for the rate, which a device may round.
 struct SourceOptions {
@@ -60,7 +60,7 @@ enum class TimeOrigin {
 };
 
 /// The same in words: "buffer times", "the file's rate", "arrival, delay unknown".
-const char* wordsOn(TimeOrigin origin);
+const char* nameOf(TimeOrigin origin);
 
 /// One image: BGR, 3 bytes a pixel, tightly packed, rows from the top.
 struct LiveImage {

@@ -32,14 +32,15 @@ constexpr const char* kEnd =
     " ! videoconvert ! video/x-raw,format=BGR ! appsink max-buffers=1 drop=true sync=false";
 
 /// \throw Error with `before` in front
-GObjectPtr<GstElement> pipelineFrom(const std::string& words, const std::string& before) {
+GObjectPtr<GstElement> pipelineFrom(const std::string& description, const std::string& before) {
   GError* error = nullptr;
-  GstElement* const made = gst_parse_launch_full(words.c_str(), nullptr, GST_PARSE_FLAG_FATAL_ERRORS, &error);
+  GstElement* const made =
+      gst_parse_launch_full(description.c_str(), nullptr, GST_PARSE_FLAG_FATAL_ERRORS, &error);
   const std::string fault = error ? error->message : "";
   g_clear_error(&error);
   if (!made)
     throw Error(before + "the GStreamer pipeline cannot be run (" + fault +
-                "); words that gst-launch-1.0 runs, with their plugins installed, would be right");
+                "); a pipeline that gst-launch-1.0 runs, with its plugins installed, would be right");
   return GObjectPtr<GstElement>(GST_ELEMENT(gst_object_ref_sink(made)));
 }
 
@@ -65,8 +66,9 @@ class GStreamerSource : public CameraSource {
         {{"decodebin", "gstreamer1.0-plugins-base"}, {"videoconvert", "gstreamer1.0-plugins-base"}});
     if (rtsp)
       startGStreamer({{"rtspsrc", "gstreamer1.0-plugins-good"}, {"avdec_h264", "gstreamer1.0-libav"}});
-    const std::string words = rtsp ? kRtsp : camera.source.text;
-    pipeline_ = pipelineFrom(words.find("appsink") == std::string::npos ? words + kEnd : words, where_);
+    const std::string description = rtsp ? kRtsp : camera.source.text;
+    pipeline_ = pipelineFrom(
+        description.find("appsink") == std::string::npos ? description + kEnd : description, where_);
     images_ = appsinkOf(pipeline_.get());
     if (!images_)
       throw Error(where_ + "the GStreamer pipeline has no appsink; one, or none at all, would be right");
@@ -130,7 +132,7 @@ class GStreamerSource : public CameraSource {
                   "; the address of a camera or server that is running would be right");
     if (!first)
       throw Error(where_ + "the GStreamer pipeline gives no image" + why +
-                  "; words that gst-launch-1.0 runs, with their plugins installed, would be right");
+                  "; a pipeline that gst-launch-1.0 runs, with its plugins installed, would be right");
     const GstVideoInfo info = infoOf(first.get());
     size_ = {info.width, info.height};
     const double told_hz = info.fps_d > 0 ? double(info.fps_n) / info.fps_d : 0;

@@ -346,7 +346,7 @@ LiveCamera liveCamera(const NamedSource& camera, const SourceOptions& options, d
   return {camera.name, [camera, options] { return openSource(camera, options); }, offset_s};
 }
 
-const char* wordsOn(CameraState state) {
+const char* nameOf(CameraState state) {
   switch (state) {
     case CameraState::kLive:
       return "live";

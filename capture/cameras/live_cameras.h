@@ -60,7 +60,7 @@ enum class CameraState {
   kEnded,         ///< the file is over
 };
 /// "live", "late", "frozen", "lost", "reconnecting", "ended".
-const char* wordsOn(CameraState state);
+const char* nameOf(CameraState state);
 
 struct CameraStatus {
   std::string name;

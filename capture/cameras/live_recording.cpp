@@ -62,7 +62,7 @@ std::vector<std::string> LiveRecording::camera_problems() const {
   std::vector<std::string> lines;
   for (const CameraStatus& camera : cameras_.status())
     if (camera.state != CameraState::kLive && camera.state != CameraState::kEnded)
-      lines.push_back(camera.name + ": " + wordsOn(camera.state));
+      lines.push_back(camera.name + ": " + nameOf(camera.state));
   if (const std::optional<double> skew = cameras_.refusedSkew())
     lines.push_back("images " + std::to_string(std::lround(1000 * *skew)) +
                     " ms apart: a larger --max-skew-ms");

@@ -47,26 +47,26 @@ Source parseSource(const std::string& source) {
   return {SourceKind::kVideo, source};
 }
 
-NamedSource parseNamedSource(const std::string& words) {
-  const std::size_t equals = words.find('=');
-  const std::string name = words.substr(0, equals);
+NamedSource parseNamedSource(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  const std::string name = text.substr(0, equals);
   const auto fits = [](char c) {
     return std::isalnum(static_cast<unsigned char>(c)) || std::strchr("-_.", c);
   };
   if (equals == std::string::npos || name.empty() || name.size() > 60 || name[0] == '.' ||
       !std::all_of(name.begin(), name.end(), fits))
-    throw Error("--camera " + words +
+    throw Error("--camera " + text +
                     ": it must be NAME=SOURCE, the name of letters, digits, '-', '_' and '.', as left=0 or "
                     "left=left.mp4",
                 Fault::kUsage);
   try {
-    return {name, parseSource(words.substr(equals + 1))};
+    return {name, parseSource(text.substr(equals + 1))};
   } catch (const Error& error) {
-    throw Error("--camera " + words + ": " + error.what(), Fault::kUsage);
+    throw Error("--camera " + text + ": " + error.what(), Fault::kUsage);
   }
 }
 
-const char* wordsOn(TimeOrigin origin) {
+const char* nameOf(TimeOrigin origin) {
   switch (origin) {
     case TimeOrigin::kBuffer:
       return "buffer times";

@@ -15,7 +15,7 @@ std::unique_ptr<ClaySolver> createAllSolver(Gpu& gpu, const StencilMatrix& matri
 
 const SolveMethod kSolveAll = {
     .id = "all",
-    .name = "all points",
+    .name = "All points",
     .description = "all data points; those that the hand did not move hold their place",
     .holds_unmoved = true,
     .max_control_points = AllRowsSolver::kMaxControlPoints,

@@ -37,7 +37,7 @@ std::unique_ptr<ClaySolver> createTouchedSolver(Gpu&, const StencilMatrix& matri
 
 const SolveMethod kSolveTouched = {
     .id = "touched",
-    .name = "touched points",
+    .name = "Touched points",
     .description = "only the data points that the hand moved; the rest follows freely",
     .holds_unmoved = false,
     .max_control_points = 5'000'000,

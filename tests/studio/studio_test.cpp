@@ -319,11 +319,11 @@ TEST_F(Studio, TheClutchsKeyIsChosenInTheWindow) {
   EXPECT_EQ(log()["clutch_key"], "Space");
   clickKey();
   desktop->key("g");
-  EXPECT_TRUE(seesNote("G is there already: control cage")) << log();
+  EXPECT_TRUE(seesNote("G is already used: Control cage")) << log();
   EXPECT_EQ(log()["clutch_key"], "Space");
   clickKey();
   desktop->key("w");  // held keys, too
-  EXPECT_TRUE(seesNote("W is there already: farther, nearer")) << log();
+  EXPECT_TRUE(seesNote("W is already used: Farther, nearer")) << log();
   clickKey();
   desktop->key("F8");
   EXPECT_TRUE(sees([](const json& line) { return line["clutch_key"] == "F8"; })) << log();
