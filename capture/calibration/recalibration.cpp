@@ -91,6 +91,7 @@ struct OldWorld {
   double patience = 1;              ///< so many times kSamePlace_m and kSameTurn apart is still the same
   std::vector<std::size_t> still;   ///< the cameras that say so
   std::vector<std::size_t> rivals;  ///< as many that say it lies elsewhere
+  double board_scale = 1;           ///< times this, the board's size would let more cameras agree
 };
 
 /// Moves everything into another world.
@@ -181,15 +182,14 @@ std::vector<std::string> namesOf(const Rig& rig, const std::vector<std::size_t>&
   return names;
 }
 
-/// \throw Error when three cameras or more would agree if the board were of another size: then it is.
-void checkBoardSize(const Board& board, const Rig& rig, const Bundle& bundle,
-                    const std::vector<PoseSigma>& sigmas) {
+/// The scale of the board by which most cameras agree, if these are more than `most`; otherwise 1.
+double betterBoardScale(const Rig& rig, const Bundle& bundle, const std::vector<PoseSigma>& sigmas,
+                        std::size_t most) {
   const std::size_t count = rig.cameras.size();
   const auto apart = [](const Pose& a, const Pose& b) {
     return (a.inverse().translation() - b.inverse().translation()).norm();
   };
   double scale = 1;
-  std::size_t most = 2;
   for (std::size_t a = 0; a < count; ++a)
     for (std::size_t b = 0; b < a; ++b) {
       const double tried = apart(rig.cameras[a].camera_from_world, rig.cameras[b].camera_from_world) /
@@ -199,11 +199,14 @@ void checkBoardSize(const Board& board, const Rig& rig, const Bundle& bundle,
           largestGroup(claimsOf(rig, bundle, sigmas, tried), others({}, count), rig.workspace);
       if (old.still.size() > most) scale = tried, most = old.still.size();
     }
-  if (most > 2)
-    throw Error(
-        "the cameras stand to each other as before if the board's squares are of " +
-        inMillimetres(scale * board.square_m) + " mm instead of " + inMillimetres(board.square_m) +
-        " mm; the size by which the rig was calibrated (--square-mm, --check-square-mm) would be right");
+  return scale;
+}
+
+/// "squares of 55 mm instead of 53.9 mm; ..."
+std::string otherSquares(const Board& board, double scale) {
+  return "squares of " + inMillimetres(scale * board.square_m) + " mm instead of " +
+         inMillimetres(board.square_m) +
+         " mm; the size by which the rig was calibrated (--square-mm, --check-square-mm) would be right";
 }
 
 /// How surely each camera sees the cube's middle where it is. \pre the bundle is nearly in the old world
@@ -212,7 +215,8 @@ std::vector<PoseSigma> sigmasAt(const Vec3& middle, Bundle bundle) {
   return poseSigmas(bundle);
 }
 
-/// Without two cameras that agree on it, the cube moves least. \throw Error as checkBoardSize()
+/// Without two cameras that agree on it, the cube moves least. \throw Error when no two agree, but three or
+/// more would if the board had another size
 OldWorld findOldWorld(const Board& board, const Rig& rig, const Bundle& bundle,
                       const std::vector<PoseSigma>& sigmas) {
   const std::size_t count = rig.cameras.size();
@@ -220,7 +224,8 @@ OldWorld findOldWorld(const Board& board, const Rig& rig, const Bundle& bundle,
   const std::vector<Claim> claims = claimsOf(rig, bundle, sigmas);
   OldWorld old = largestGroup(claims, all, rig.workspace);
   if (old.still.empty()) {
-    checkBoardSize(board, rig, bundle, sigmas);
+    if (const double scale = betterBoardScale(rig, bundle, sigmas, 2); scale != 1)
+      throw Error("the cameras agree with the rig for a board with " + otherSquares(board, scale));
     old = largestGroup(claims, all, rig.workspace, kMorePatience);
   }
   if (old.still.empty()) {
@@ -229,7 +234,16 @@ OldWorld findOldWorld(const Board& board, const Rig& rig, const Bundle& bundle,
   }
   const OldWorld second = largestGroup(claims, others(old.still, count), rig.workspace, old.patience);
   if (second.still.size() == old.still.size()) old.rivals = second.still;
+  // Two cameras side by side agree on a board of any size: both are off by the same.
+  if (old.still.size() < count)
+    old.board_scale = betterBoardScale(rig, bundle, sigmas, std::max<std::size_t>(2, old.still.size()));
   return old;
+}
+
+void warnOfBoardSize(const Board& board, const OldWorld& old, std::vector<std::string>& warnings) {
+  if (old.board_scale != 1)
+    warnings.push_back("more cameras agree with the rig for a board with " +
+                       otherSquares(board, old.board_scale));
 }
 
 void warnOfWorld(const Rig& rig, const OldWorld& old, std::vector<std::string>& warnings) {
@@ -383,6 +397,7 @@ Recalibration recalibrate(const Board& board, const Rig& rig, const std::vector<
   const std::vector<PoseSigma> sigmas = sigmasAt(rig.workspace.center, bundle);
   const OldWorld old = findOldWorld(board, rig, bundle, sigmas);
   moveInto(bundle, old.old_from_new);
+  warnOfBoardSize(board, old, calibration.warnings);
   if (!options.world_frame) warnOfWorld(rig, old, calibration.warnings);
   measureChanges(rig, bundle, old, found);
   measureBefore(rig, bundle, found);

@@ -13,6 +13,7 @@
 #include <atomic>
 #include <cmath>
 #include <mutex>
+#include <string_view>
 #include <thread>
 
 #include "capture/cameras/gstreamer_objects.h"
@@ -130,6 +131,9 @@ class ServedCamera {
     const std::lock_guard lock(mutex_);
     images_ = std::move(images);
     last_ = 0;
+    // The camera may have ended after runs() was checked: without this, the client would wait for its
+    // timeout.
+    if (ended_) gst_app_src_end_of_stream(images_.get());
   }
   void leave(const GstAppSrc* images) {
     const std::lock_guard lock(mutex_);
@@ -206,6 +210,13 @@ void addStream(GstRTSPMountPoints* mounts, const std::shared_ptr<ServedCamera>& 
   gst_rtsp_mount_points_add_factory(mounts, ("/" + status.name).c_str(), factory);
 }
 
+/// A path with or without a slash at its end, as GStreamer's mount points take it.
+bool asksFor(const GstRTSPContext& request, const std::string& name) {
+  std::string_view path = request.uri->abspath;
+  while (path.ends_with('/')) path.remove_suffix(1);
+  return path == "/" + name;
+}
+
 std::string inUrl(const std::string& address) {
   return address.find(':') == std::string::npos ? address : "[" + address + "]";
 }
@@ -240,7 +251,8 @@ struct StreamServer::Parts {
   GObjectPtr<GstRTSPServer> server;
   GObjectPtr<GSource> connections;
   int port = 0;
-  std::vector<std::thread> threads;
+  std::thread accepting;               ///< runs `loop`: takes connections
+  std::vector<std::thread> streaming;  ///< one per camera
 
   explicit Parts(const StreamServerOptions& given) : options(given) {}
   ~Parts();
@@ -280,7 +292,7 @@ void StreamServer::Parts::begin() {
             connect(client, "pre-describe-request",
                     G_CALLBACK(+[](GstRTSPClient*, GstRTSPContext* asked, std::shared_ptr<Cameras>* those) {
                       for (const std::shared_ptr<ServedCamera>& camera : **those)
-                        if (asked->uri->abspath == "/" + camera->status().name && !camera->runs())
+                        if (asksFor(*asked, camera->status().name) && !camera->runs())
                           return GST_RTSP_STS_SERVICE_UNAVAILABLE;
                       return GST_RTSP_STS_OK;
                     }),
@@ -297,22 +309,18 @@ void StreamServer::Parts::begin() {
       g_object_ref(sessions.get()), g_object_unref);
   g_source_attach(cleanup.get(), context);
   g_source_attach(connections.get(), context);
-  threads.emplace_back([this] {
+  accepting = std::thread([this] {
     g_main_context_push_thread_default(context);
     g_main_loop_run(loop);
     g_main_context_pop_thread_default(context);
   });
   for (const std::shared_ptr<ServedCamera>& camera : *cameras)
-    threads.emplace_back([camera] { camera->run(); });
+    streaming.emplace_back([camera] { camera->run(); });
 }
 
 StreamServer::Parts::~Parts() {
   for (const std::shared_ptr<ServedCamera>& camera : *cameras) camera->stop();
-  if (server)
-    gst_rtsp_server_client_filter(
-        server.get(), [](GstRTSPServer*, GstRTSPClient*, gpointer) { return GST_RTSP_FILTER_REMOVE; },
-        nullptr);
-  // from within: a loop that has not begun yet would miss it
+  // Quit from within the loop: a loop that has not started yet would miss the call.
   const GObjectPtr<GSource> end(g_idle_source_new());
   g_source_set_callback(
       end.get(),
@@ -322,7 +330,13 @@ StreamServer::Parts::~Parts() {
       },
       loop, nullptr);
   g_source_attach(end.get(), context);
-  for (std::thread& thread : threads) thread.join();
+  if (accepting.joinable()) accepting.join();
+  // After the loop has ended, or a client that connects meanwhile would stay.
+  if (server)
+    gst_rtsp_server_client_filter(
+        server.get(), [](GstRTSPServer*, GstRTSPClient*, gpointer) { return GST_RTSP_FILTER_REMOVE; },
+        nullptr);
+  for (std::thread& thread : streaming) thread.join();
   server.reset();
   g_main_loop_unref(loop);
   g_main_context_unref(context);

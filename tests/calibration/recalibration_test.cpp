@@ -279,9 +279,24 @@ TEST(Recalibration, aBoardOfAnotherSizeIsNoMovedRig) {
   scene.board.square_m *= 0.98, scene.board.marker_m *= 0.98;  // 53.9 mm, it is said
   const std::string message = messageOf([&] { scene.recalibrated(); });
   EXPECT_NE(message.find("instead of 53.9 mm"), std::string::npos) << message;
-  const std::size_t at = message.find("squares are of ");
+  const std::size_t at = message.find("squares of ");
   ASSERT_NE(at, std::string::npos) << message;
-  EXPECT_NEAR(std::stod(message.substr(at + 15)), 55, 0.06);
+  EXPECT_NEAR(std::stod(message.substr(at + 11)), 55, 0.06);
+}
+
+TEST(Recalibration, aWrongBoardSizeIsReportedAlthoughTwoAdjacentCamerasAgree) {
+  BumpedScene scene({});
+  const Camera aside = bumped(scene.old.cameras[0], Vec3(0.03, 0, 0), Vec3::Zero());
+  for (Rig* rig : {&scene.old, &scene.truth}) {
+    rig->cameras[1].camera_from_world = aside.camera_from_world;
+  }
+  scene.boards = wavedBoards(scene.truth, scene.board, scene.wave);
+  scene.look();
+  EXPECT_TRUE(scene.recalibrated().calibration.warnings.empty());
+  scene.board.square_m *= 0.98, scene.board.marker_m *= 0.98;
+  const Recalibration found = scene.recalibrated();
+  EXPECT_TRUE(found.world_kept) << "the two cameras agree with each other";
+  EXPECT_TRUE(anyMentions(found.calibration.warnings, "instead of 53.9 mm"));
 }
 
 TEST(Recalibration, otherCamerasThanTheRigsAreNamed) {

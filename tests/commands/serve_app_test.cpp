@@ -254,8 +254,10 @@ TEST_F(ServeApp, ACameraThatIsLostIsNamedWhileTheOthersGoOn) {
   far.reset();
   ASSERT_TRUE(waitUntil([&] { return server.errors().find("reopening it") != std::string::npos; }));
   EXPECT_NE(server.errors().find("camera \"far\" (http://"), std::string::npos) << server.errors();
-  const std::string message = messageOf([&] { openSource(server.source("far")); });
-  EXPECT_NE(message.find("Service Unavailable"), std::string::npos) << message;
+  for (const char* path : {"far", "far/"}) {
+    const std::string message = messageOf([&] { openSource({"far", parseSource(server.address(path))}); });
+    EXPECT_NE(message.find("Service Unavailable"), std::string::npos) << message;
+  }
   LiveImage image;
   double capture_s = 0;
   for (int k = 0; k < 10; ++k) ASSERT_TRUE(left->read(image, capture_s));
