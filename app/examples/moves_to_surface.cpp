@@ -26,7 +26,7 @@ int main(int argc, char** argv) {
     PolygonMesh cage = loadCage(argv[1]);
     const Subdivision subdivision = subdivide(cage, kLevels, SubdivisionRule::kCatmullClark);
     const std::vector<Move> moves = readMoves(argv[2], static_cast<int>(subdivision.matrix.rows()));
-    cage.points = solveControlPoints(subdivision.matrix, cage.points, moves, SolveMethod::kTouched);
+    cage.points = solveControlPoints(subdivision.matrix, cage.points, moves, &kSolveTouched);
     const PolygonMesh surface = surfaceMesh(subdivision, cage.points);
     writeObj(argv[3], cage);
     writeObj(argv[4], surface);
