@@ -71,6 +71,7 @@ int run(int argc, char** argv) {
   addRecord(program, status);
   addServe(program, status);
   addRig(program, status);
+  addCheck(program, status);
   addCompare(program, status);
   addBench(program, status);
   addDevices(program, status);

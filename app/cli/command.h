@@ -93,6 +93,7 @@ void addOffsets(CLI::App& program, int& status);
 void addRecord(CLI::App& program, int& status);
 void addServe(CLI::App& program, int& status);
 void addRig(CLI::App& program, int& status);
+void addCheck(CLI::App& program, int& status);
 void addCompare(CLI::App& program, int& status);
 void addBench(CLI::App& program, int& status);
 void addDevices(CLI::App& program, int& status);

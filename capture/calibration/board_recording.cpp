@@ -15,6 +15,7 @@
 
 #include "capture/images/video_reader.h"
 #include "capture/takes/timestamps.h"
+#include "engine/camera/camera_name.h"
 #include "engine/core/error.h"
 #include "engine/core/task.h"
 
@@ -54,9 +55,8 @@ std::vector<std::string> cameraNames(const path& folder) {
   if (fault) throw Error(folder.string() + ": there is no such folder that can be read");
   std::set<std::string> names;
   for (const std::filesystem::directory_entry& entry : entries) {
-    const std::string extension = entry.path().extension().string(), name = entry.path().filename().string();
-    const bool is_video = extension == ".mp4" || extension == ".mkv" || extension == ".avi";
-    if (entry.is_regular_file() && is_video) names.insert(entry.path().stem().string());
+    const std::string name = entry.path().filename().string();
+    if (entry.is_regular_file() && isVideoName(name)) names.insert(entry.path().stem().string());
     const bool is_of_take = name == "background" || name == "silhouettes";
     if (entry.is_directory() && !is_of_take && !numberedImages(entry.path()).empty()) names.insert(name);
   }

@@ -6,8 +6,10 @@
 #include <charconv>
 #include <cmath>
 #include <opencv2/videoio.hpp>
+#include <vector>
 
 #include "capture/images/quiet_opencv.h"
+#include "engine/camera/camera_name.h"
 #include "engine/core/error.h"
 
 namespace airclay {
@@ -131,14 +133,42 @@ class ImageSource : public FrameSource {
   ImageSize size_;
 };
 
+std::string lowerCase(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return text;
+}
+
+/// The video of camera `name`. A file of exactly that name comes before one that differs in capitals.
+/// \throw Error naming two videos between which nothing decides.
+std::optional<std::filesystem::path> videoOf(const std::filesystem::path& take, const std::string& name) {
+  std::vector<std::filesystem::path> exact, similar;
+  std::error_code fault;
+  for (std::filesystem::directory_iterator entry(take, fault), end; !fault && entry != end;
+       entry.increment(fault)) {
+    const std::filesystem::path& file = entry->path();
+    std::error_code unreadable;  // a loop of symbolic links
+    if (!isVideoName(file.filename().string()) || !entry->is_regular_file(unreadable)) continue;
+    const std::string stem = file.stem().string();
+    if (stem == name)
+      exact.push_back(file);
+    else if (lowerCase(stem) == lowerCase(name))
+      similar.push_back(file);
+  }
+  std::vector<std::filesystem::path>& found = exact.empty() ? similar : exact;
+  if (found.empty()) return std::nullopt;
+  std::sort(found.begin(), found.end());
+  if (found.size() > 1)
+    throw Error(found[0].string() + ": camera \"" + name + "\" has a second video, " +
+                found[1].filename().string() + "; one video per camera would be right");
+  return found[0];
+}
+
 }  // namespace
 
 std::unique_ptr<FrameSource> openFrames(const std::filesystem::path& take, const std::string& name,
                                         bool unfinished) {
-  for (const char* extension : {".mp4", ".mkv", ".avi"}) {
-    const std::filesystem::path file = take / (name + extension);
-    if (std::filesystem::is_regular_file(file)) return std::make_unique<VideoSource>(file, unfinished);
-  }
+  if (const auto video = videoOf(take, name)) return std::make_unique<VideoSource>(*video, unfinished);
   const std::filesystem::path folder = take / name;
   if (std::filesystem::is_directory(folder)) return std::make_unique<ImageSource>(folder);
   return nullptr;
@@ -147,7 +177,8 @@ std::unique_ptr<FrameSource> openFrames(const std::filesystem::path& take, const
 std::map<int, std::filesystem::path> numberedImages(const std::filesystem::path& folder) {
   std::map<int, std::filesystem::path> images;
   for (const std::filesystem::directory_entry& entry : std::filesystem::directory_iterator(folder)) {
-    const std::string extension = entry.path().extension().string(), stem = entry.path().stem().string();
+    const std::string extension = lowerCase(entry.path().extension().string()),
+                      stem = entry.path().stem().string();
     const bool is_image = extension == ".png" || extension == ".jpg" || extension == ".jpeg";
     if (!is_image || stem.empty() || stem.find_first_not_of("0123456789") != std::string::npos) continue;
     int frame = 0;

@@ -140,9 +140,12 @@ void Take::Parts::fillSizes() {
 void Take::Parts::checkSizes() const {
   for (size_t i = 0; i < frames.size(); ++i) {
     const Camera& camera = rig.cameras[i];
-    if (frames[i]->size() != sizeOf(camera))
-      throw Error(folder.string() + ": camera \"" + camera.name + "\" recorded " + text(frames[i]->size()) +
-                  "; the rig's " + text(sizeOf(camera)) + " would be right");
+    const ImageSize size = frames[i]->size();
+    if (size == sizeOf(camera)) continue;
+    const bool is_turned = size == ImageSize{camera.height, camera.width};
+    throw Error(folder.string() + ": camera \"" + camera.name + "\" recorded " + text(size) + "; the rig's " +
+                text(sizeOf(camera)) + " would be right" +
+                (is_turned ? " (the recording is rotated by 90° against the calibration)" : ""));
   }
 }
 

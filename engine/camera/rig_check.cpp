@@ -5,6 +5,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "engine/camera/camera_name.h"
 #include "engine/camera/rig_diagnostics.h"
 #include "engine/core/error.h"
 
@@ -147,6 +148,21 @@ void checkPlace(const Rig& rig, size_t index, Faults& faults) {
 
 }  // namespace
 
+bool isVideoName(const std::string& file) {
+  std::string ending = std::filesystem::path(file).extension().string();
+  for (char& c : ending)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return std::any_of(kVideoEndings.begin(), kVideoEndings.end(),
+                     [&](const char* known) { return ending == known; });
+}
+
+std::string cameraNameOf(const std::string& name) {
+  if (!isVideoName(name)) return name;
+  const std::size_t slash = name.find_last_of("/\\");
+  const std::string file = slash == std::string::npos ? name : name.substr(slash + 1);
+  return isVideoName(file) ? std::filesystem::path(file).stem().string() : name;
+}
+
 Camera cameraFromEntry(const CameraEntry& entry, const std::string& where) {
   const std::string here = cameraIn(where, entry.name);
   if (!entry.matrix.allFinite()) throw Error(here + "matrix holds a value that is no finite number");
@@ -168,7 +184,7 @@ Camera cameraFromEntry(const CameraEntry& entry, const std::string& where) {
                 "be right");
 
   Camera camera;
-  camera.name = entry.name;
+  camera.name = cameraNameOf(entry.name);
   camera.width = entry.width;
   camera.height = entry.height;
   camera.lens.model = entry.fisheye ? LensModel::kFisheye : LensModel::kPerspective;

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <sstream>
 
 #include "engine/camera/rig_diagnostics.h"
@@ -95,6 +96,8 @@ bool isIgnored(const Entry& entry) {
 /// Without a name, the table's; the videos of Caliscope are named after the camera's number.
 std::string cameraName(const Entry& entry, const std::string& fallback) {
   if (!entry.has("name")) return fallback;
+  if (const toml::value<std::int64_t>* number = entry.table["name"].as_integer())
+    return std::to_string(number->get());
   const std::optional<std::string> name = entry.table["name"].value<std::string>();
   if (!name) entry.fail("name", "a text that names the camera's video");
   return *name;
@@ -208,7 +211,17 @@ class RigReader {
   }
 
   void add(const Entry& entry, const std::string& name, double metres) {
-    keepFault([&] { result_.rig.cameras.push_back(readCamera(entry, name, metres, file_)); });
+    keepFault([&] {
+      const Camera camera = readCamera(entry, name, metres, file_);
+      const toml::node* written = entry.table.get("name");
+      const auto line = (written ? written->source() : entry.table.source()).begin.line;
+      const auto [first, is_new] = line_of_name_.emplace(camera.name, line);
+      if (!is_new)
+        throw Error(entry.where + "name (line " + std::to_string(line) + "): two cameras are named \"" +
+                    camera.name + "\", the first in line " + std::to_string(first->second) +
+                    "; a name for each would be right");
+      result_.rig.cameras.push_back(camera);
+    });
   }
 
   /// A camera that Caliscope did not place has no pose, and is none of the rig's.
@@ -262,6 +275,7 @@ class RigReader {
   const std::string file_;
   const RigUnits units_;
   RigReading result_;
+  std::map<std::string, toml::source_index> line_of_name_;
 };
 
 }  // namespace

@@ -285,6 +285,34 @@ TEST(RigFile, unitsScaleTranslationsAlone) {
               1e-12);
 }
 
+TEST(RigFile, namesMayBeFilesPathsOrNumbers) {
+  const TemporaryFolder folder;
+  const auto nameOf = [&](const std::string& written) {
+    return readRig(folder.write("rig.toml", replaced(kRig, "\"left\"", written))).cameras[0].name;
+  };
+  EXPECT_EQ(nameOf("\"cam0.mp4\""), "cam0");
+  EXPECT_EQ(nameOf("\"CAM0.MOV\""), "CAM0");
+  EXPECT_EQ(nameOf("\"/data/my takes/cam0.avi\""), "cam0");
+  EXPECT_EQ(nameOf("'C:\\takes\\cam0.avi'"), "cam0");
+  EXPECT_EQ(nameOf("\"left.front\""), "left.front");
+  EXPECT_EQ(nameOf("0"), "0");
+}
+
+TEST(RigFile, aSecondCameraOfOneNameIsRefusedWithItsLine) {
+  const TemporaryFolder folder;
+  const std::string fault = messageOf(
+      [&] { readRig(folder.write("rig.toml", replaced(kRig, "name = \"right\"", "name = \"left.mp4\""))); });
+  for (const char* part : {"[cam_1] name (line 10)", "\"left\"", "line 2"})
+    EXPECT_NE(fault.find(part), std::string::npos) << fault;
+}
+
+TEST(RigFile, windowsFilesAreRead) {
+  const TemporaryFolder folder;
+  std::string text = "\xef\xbb\xbf";
+  for (const char c : std::string(kRig)) text += c == '\n' ? "\r\n" : std::string(1, c);
+  EXPECT_EQ(readRig(folder.write("rig.toml", text)).cameras.size(), 2u);
+}
+
 TEST(RigFile, camerasStandInTheFilesOrder) {
   const TemporaryFolder folder;
   const std::string text = replaced(replaced(kRig, "[cam_0]\nname = \"left\"", "[cam_2]"),

@@ -108,7 +108,7 @@ TEST(App, EveryCommandHelps) {
   EXPECT_EQ(runAirclay({"--version"}).output, "0.1.0\n");
   for (const char* command :
        {"demo", "sculpt", "track", "hull", "subdivide", "deform", "figures", "compare", "bench", "devices",
-        "board", "calibrate", "recalibrate", "cameras", "offsets", "record", "serve", "rig"}) {
+        "board", "calibrate", "recalibrate", "cameras", "offsets", "record", "serve", "rig", "check"}) {
     const Ran ran = runAirclay({command, "--help"});
     EXPECT_EQ(ran.status, 0) << command;
     EXPECT_NE(ran.output.find(std::string("airclay ") + command), std::string::npos) << ran.output;

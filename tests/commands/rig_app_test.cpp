@@ -43,6 +43,39 @@ struct RigAndTake {
   }
 };
 
+TEST(CheckApp, SaysWhatWouldBeRead) {
+  const RigAndTake scene;
+  const Ran of_rig = runAirclay({"check", scene.file, "--json"});
+  ASSERT_EQ(of_rig.status, 0) << of_rig.errors << of_rig.output;
+  const json rig = json::parse(of_rig.output);
+  EXPECT_EQ(rig["kind"], "rig");
+  EXPECT_EQ(rig["cameras"].size(), 4u);
+  EXPECT_EQ(rig["cameras"][0]["width"], 640);
+  EXPECT_TRUE(rig["usable"].get<bool>());
+
+  const Ran of_empty = runAirclay({"check", scene.take, "--json"});  // it has masks, and no rig
+  EXPECT_EQ(of_empty.status, 1);
+  EXPECT_NE(of_empty.output.find("rig.toml"), std::string::npos) << of_empty.output;
+
+  std::filesystem::copy_file(scene.file, std::filesystem::path(scene.take) / "rig.toml");
+  const Ran of_take = runAirclay({"check", scene.take, "--json"});
+  ASSERT_EQ(of_take.status, 0) << of_take.errors << of_take.output;
+  const json take = json::parse(of_take.output);
+  EXPECT_EQ(take["kind"], "take");
+  EXPECT_EQ(take["frames"], 1);
+  EXPECT_TRUE(take["has_silhouettes"].get<bool>());
+  EXPECT_FALSE(take["has_truth"].get<bool>());
+}
+
+TEST(CheckApp, ListsEveryError) {
+  const RigAndTake scene;
+  const std::string file = scene.changed("bad.toml", "distortions", "distortion");
+  const Ran ran = runAirclay({"check", file});
+  EXPECT_EQ(ran.status, 1);
+  EXPECT_GE(ran.errorLines().size(), 4u) << ran.errors;  // one per camera
+  EXPECT_EQ(runAirclay({"check", (scene.folder / "none").string()}).status, 1);
+}
+
 TEST(RigApp, ConvertsThereAndBackAgain) {
   const RigAndTake scene;
   std::string from = scene.file;

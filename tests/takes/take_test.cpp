@@ -188,6 +188,51 @@ TEST_F(TakeTest, otherContainersAreRead) {
   EXPECT_NEAR(take.rateHz(), 20, 1e-6);
 }
 
+TEST_F(TakeTest, endingsAndNamesMayBeInCapitals) {
+  writeVideo(folder / "a.mp4", 0, 2);
+  writeVideo(folder / "b.mp4", 1, 2);
+  for (const char* ending : {".MP4", ".mov", ".MOV", ".m4v"}) {
+    const std::filesystem::path left = folder / ("LEFT" + std::string(ending));
+    std::filesystem::copy_file(folder / "a.mp4", left);
+    std::filesystem::copy_file(folder / "b.mp4", folder / "right.mp4");
+    Take take(folder.path());
+    Frame frame(take);
+    ASSERT_TRUE(take.readImages(1, frame.spans)) << ending;
+    EXPECT_NEAR(frame.bytes[0][0], greyOf(0, 1), kGreyLoss) << ending;
+    EXPECT_NEAR(frame.bytes[1][0], greyOf(1, 1), kGreyLoss) << ending;
+    std::filesystem::remove(left);
+    std::filesystem::remove(folder / "right.mp4");
+  }
+  for (const char* camera : {"left", "right"}) writeImage(folder / camera / "0.png", flat({1, 2, 3}));
+  std::filesystem::rename(folder / "left/0.png", folder / "left/0.PNG");
+  EXPECT_EQ(Take(folder.path()).frameCount(), 1);
+}
+
+TEST_F(TakeTest, aCameraHasOneVideo) {
+  writeVideos();
+  std::filesystem::copy_file(folder / "left.mp4", folder / "LEFT.MP4");
+  EXPECT_EQ(fault(), "");  // left.mp4 is exactly the camera's name
+  std::filesystem::copy_file(folder / "left.mp4", folder / "left.MOV");
+  expectFault({"left", "second video", "left.mp4"});
+}
+
+TEST_F(TakeTest, aRotatedRecordingIsNamed) {
+  writeVideo(folder / "left.mp4", 0, 2, {kHeight, kWidth});
+  writeVideo(folder / "right.mp4", 1, 2);
+  expectFault({"left", "48 x 64", "64 x 48", "90°"});
+}
+
+TEST_F(TakeTest, namesMayHaveSpacesSignsAndOtherLetters) {
+  std::string rig = kRig;
+  rig.replace(rig.find("left"), 4, "Größe #1 左");
+  folder.write("rig.toml", rig);
+  writeVideo(folder / "a.mp4", 0, 2);
+  std::filesystem::rename(folder / "a.mp4", folder / "Größe #1 左.mp4");
+  writeVideo(folder / "right.mp4", 1, 2);
+  std::filesystem::create_symlink("loop.mp4", folder / "loop.mp4");  // to itself: not a file
+  EXPECT_EQ(fault(), "");
+}
+
 TEST_F(TakeTest, unequalLengthsStopAtTheShortestWithANote) {
   writeVideos(7, 4);
   Take take(folder.path());

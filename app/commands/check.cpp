@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: MIT
+// `airclay check`: what the other commands would read from a take or a rig, before any work starts.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "app/cli/command.h"
+#include "app/session/take_options.h"
+#include "capture/images/video_reader.h"
+#include "capture/takes/rig_opencv.h"
+#include "engine/core/error.h"
+
+namespace airclay {
+namespace {
+
+using nlohmann::ordered_json;
+
+struct CheckInputOptions : CommonOptions {
+  TakeInputOptions input;
+};
+
+/// What a check finds, in the order of the file.
+struct Findings {
+  ordered_json facts;                           ///< what would be read
+  std::vector<std::vector<std::string>> table;  ///< the cameras
+  std::vector<std::string> errors, warnings;    ///< each in one line
+
+  /// Runs one part of the check; its Error becomes an entry of the list, and the others still run.
+  template <class Part>
+  void collect(Part part) {
+    try {
+      part();
+    } catch (const Error& error) {
+      addError(error.what());
+    }
+  }
+  void addError(const std::string& error) {
+    if (std::find(errors.begin(), errors.end(), error) == errors.end()) errors.push_back(error);
+  }
+};
+
+std::string sizeText(int width, int height) {
+  return width > 0 ? std::to_string(width) + " x " + std::to_string(height) : "not written";
+}
+
+/// The rig's cameras and everything that is wrong with them.
+Rig checkRigFile(const std::filesystem::path& file, RigUnits units, Findings& findings) {
+  const RigReading reading = readAnyRig(file, units);
+  for (const RigDiagnostic& fault : reading.faults) findings.addError(faultMessage(fault, reading.where));
+  findings.facts["rig"] = reading.where;
+  return reading.rig;
+}
+
+/// The checks that need every camera's size.
+void checkGeometry(const Rig& rig, const std::filesystem::path& file, Findings& findings) {
+  for (const Camera& camera : rig.cameras)
+    if (camera.width <= 0 || camera.height <= 0) return;
+  for (const RigDiagnostic& fault : rigErrors(rig)) findings.addError(faultMessage(fault, file.string()));
+  if (!canBeMeasured(rig)) return;
+  for (const RigDiagnostic& warning : rigWarnings(rig))
+    findings.warnings.push_back(faultMessage(warning, file.string()));
+}
+
+void checkRigAlone(const CheckInputOptions& options, Findings& findings) {
+  const Rig rig = checkRigFile(options.input.folder, parseUnits(options.input.units), findings);
+  checkGeometry(rig, options.input.folder, findings);
+  findings.table.push_back({"camera", "size"});
+  for (const Camera& camera : rig.cameras) {
+    findings.table.push_back({camera.name, sizeText(camera.width, camera.height)});
+    findings.facts["cameras"].push_back(
+        {{"name", camera.name}, {"width", camera.width}, {"height", camera.height}});
+  }
+}
+
+void checkFrames(const std::filesystem::path& folder, Camera& camera, Findings& findings) {
+  ordered_json facts{{"name", camera.name}};
+  std::vector<std::string> row{camera.name, "none", "", ""};
+  findings.collect([&] {
+    const std::unique_ptr<FrameSource> source = openFrames(folder, camera.name);
+    if (!source) return;
+    const ImageSize size = source->size();
+    facts.update({{"width", size.width},
+                  {"height", size.height},
+                  {"frames", source->frameCount()},
+                  {"rate_hz", source->rateHz()}});
+    row = {camera.name, sizeText(size.width, size.height), std::to_string(source->frameCount()),
+           fixed(source->rateHz(), 2)};
+    if (camera.width <= 0 || camera.height <= 0) camera.width = size.width, camera.height = size.height;
+  });
+  findings.facts["cameras"].push_back(facts);
+  findings.table.push_back(row);
+}
+
+void checkTake(const CheckInputOptions& options, Findings& findings) {
+  const std::filesystem::path folder = options.input.folder;
+  const std::optional<std::filesystem::path> file = rigFileIn(folder);
+  if (file) {
+    findings.table.push_back({"camera", "size", "frames", "Hz"});
+    findings.collect([&] {
+      Rig rig = checkRigFile(*file, parseUnits(options.input.units), findings);
+      for (Camera& camera : rig.cameras) checkFrames(folder, camera, findings);
+      checkGeometry(rig, *file, findings);
+    });
+  }
+  // The last say is that of the reader itself.
+  findings.collect([&] {
+    TakeOptions take_options;
+    take_options.units = parseUnits(options.input.units);
+    take_options.background_frames = options.input.background_frames;
+    const Take take(folder, take_options);
+    if (take.note()) findings.warnings.push_back(*take.note());
+    findings.facts.update({{"frames", take.frameCount()},
+                           {"rate_hz", take.rateHz()},
+                           {"has_images", take.hasImages()},
+                           {"has_silhouettes", take.hasSilhouettes()},
+                           {"has_background", take.hasBackground()},
+                           {"background_frames", take.backgroundFrames()},
+                           {"has_timestamps", !take.cameraTimesOf(0).empty()},
+                           {"has_truth", take.truth().has_value()}});
+    if (take.hasImages() && take.backgroundFrames() >= take.frameCount())
+      findings.addError(folder.string() + ": it has " +
+                        counted(static_cast<std::size_t>(take.frameCount()), "frame") +
+                        ", all of which --background takes for the empty workspace; more frames, or " +
+                        "background/NAME.png, would be right");
+  });
+}
+
+void runCheck(const CheckInputOptions& options, int& status) {
+  Findings findings;
+  const bool is_take = std::filesystem::is_directory(options.input.folder);
+  findings.facts = {{"input", options.input.folder}, {"kind", is_take ? "take" : "rig"}};
+  findings.collect([&] { is_take ? checkTake(options, findings) : checkRigAlone(options, findings); });
+  const bool is_usable = findings.errors.empty();
+  if (options.json) {
+    findings.facts.update(
+        {{"usable", is_usable}, {"errors", findings.errors}, {"warnings", findings.warnings}});
+    printJson(findings.facts);
+  } else {
+    if (!options.quiet && findings.table.size() > 1) printTable(findings.table);
+    for (const std::string& warning : findings.warnings) printWarning("warning: " + oneLine(warning));
+    for (const std::string& error : findings.errors) printWarning(oneLine(error));
+    if (is_usable) printLine(options, options.input.folder + ": usable");
+  }
+  if (!is_usable) status = static_cast<int>(Fault::kInput);
+}
+
+}  // namespace
+
+void addCheck(CLI::App& program, int& status) {
+  CLI::App* command =
+      program.add_subcommand("check", "report what would be read from a take or a rig, and what is missing");
+  const auto options = std::make_shared<CheckInputOptions>();
+  addTakeOptions(*command, options->input);
+  addCommonOptions(*command, *options, Uses::kNothing, true);
+  command->footer("TAKE may also be a rig's file.\n\nExample:\n  airclay check TAKE --json");
+  command->callback([options, &status] { runCheck(*options, status); });
+}
+
+}  // namespace airclay
