@@ -255,7 +255,7 @@ void addConvert(CLI::App& rig) {
   command->callback([options] { runConvert(*options); });
 }
 
-void addCheck(CLI::App& rig, int& status) {
+void addRigCheck(CLI::App& rig, int& status) {
   CLI::App* command =
       rig.add_subcommand("check", "report all problems of a rig, or of a rig and a recording");
   const auto options = std::make_shared<CheckOptions>();
@@ -284,7 +284,7 @@ void addRig(CLI::App& program, int& status) {
       program.add_subcommand("rig", "check a rig, or convert it from or to other programs' formats");
   command->require_subcommand(1);
   addConvert(*command);
-  addCheck(*command, status);
+  addRigCheck(*command, status);
 }
 
 }  // namespace airclay
