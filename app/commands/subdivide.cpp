@@ -108,8 +108,8 @@ void addSolveOption(CLI::App& command, ClayOptions& options, WhenOmitted otherwi
     ids.push_back(method->id);
   }
   options.solve_option = command.add_option("--solve", options.solve, help)
-                           ->check(CLI::IsMember(ids).description(""))
-                           ->type_name("METHOD");
+                             ->check(CLI::IsMember(ids).description(""))
+                             ->type_name("METHOD");
 }
 
 void addSubdivide(CLI::App& program, int&) {

@@ -7,9 +7,9 @@
 
 AIRCLAY_IO_BEGIN
 
-// The default reach, from the skin outwards: what looks touched, as voxels of 4.7 mm resolve no less and data points
-// are about a centimetre apart. Points inside the hand are held too, or a hand deep in the clay would drag a hollow
-// ring.
+// The default reach, from the skin outwards: what looks touched, as voxels of 4.7 mm resolve no less and data
+// points are about a centimetre apart. Points inside the hand are held too, or a hand deep in the clay would
+// drag a hollow ring.
 const float kGripReach_m = 0.006;
 
 // The repeats end when gripped points lag by no more than this. A voxel is ten times as large.

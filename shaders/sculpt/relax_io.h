@@ -7,7 +7,8 @@
 
 AIRCLAY_IO_BEGIN
 
-// The default reach: nothing relaxes 10 mm from the skin, and the effect grows towards it, over a finger's width.
+// The default reach: nothing relaxes 10 mm from the skin, and the effect grows towards it, over a finger's
+// width.
 const float kRelaxReach_m = 0.01;
 
 // Steps per frame. A step removes at most all of the roughest shape, and a hundredth of that from one four

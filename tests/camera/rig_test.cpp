@@ -408,7 +408,7 @@ TEST(RigFile, refusesWhatIsMalformedOrImplausible) {
       {"[640, 480]", "[6400000000000000000, 480]", {"cam_0", "size"}},
       {"\"right\"", "\"left\"", {"left", "two cameras"}},
       {"\"right\"", "\"../right\"", {"right", "name"}},
-      {"\"right\"", "7", {"cam_1", "name"}},
+      {"\"right\"", "true", {"cam_1", "name"}},
       {"edge = 0.5", "edge = 0", {"workspace", "edge"}},
       {"[0.01, 0.02, 0.03]", "[0.01, 0.02, inf]", {"workspace", "center"}},
       {"units = \"m\"", "units = \"cm\"", {"units"}},
