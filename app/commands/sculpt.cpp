@@ -66,11 +66,7 @@ PolygonMesh placedCage(const SculptOptions& options, const Workspace& workspace)
 
 SculptControls controlsFrom(const SculptOptions& options) {
   SculptControls controls;
-  try {
-    if (!options.tool.empty()) controls.tool = parseTool(options.tool);
-  } catch (const Error& error) {
-    throw Error("--tool " + printable(options.tool) + ": " + error.what(), Fault::kUsage);
-  }
+  if (!options.tool.empty()) controls.tool = parseTool(options.tool);
   for (const char axis : options.symmetry) {
     if (axis != 'x' && axis != 'y' && axis != 'z')
       throw Error("--symmetry " + printable(options.symmetry) +
@@ -385,6 +381,16 @@ void addSculpt(CLI::App& program, int&) {
   command
       ->add_option("--tool", options->tool,
                    "tool to use without a window: " + toolUsage() + " (default: " + tools().front()->id + ")")
+      ->check(CLI::Validator(
+          [](const std::string& text) {
+            try {
+              parseTool(text);
+              return std::string();
+            } catch (const Error& error) {
+              return std::string(error.what());
+            }
+          },
+          ""))
       ->type_name("TOOL");
   command
       ->add_option("--symmetry", options->symmetry, "mirror planes to use without a window, for example xy")
