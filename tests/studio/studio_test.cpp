@@ -309,7 +309,7 @@ TEST_F(Studio, TheClutchsKeyIsChosenInTheWindow) {
   folder.write("config/airclay/studio.toml", "first_run = false\nclutch = 1\n");
   start({"--save", file});
   const auto clickKey = [&] {
-    desktop->moveTo(130, 252);  // "Key: Space", in the tools
+    desktop->moveTo(130, 271);  // "Key: Space", in the tools
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
     desktop->press();
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
