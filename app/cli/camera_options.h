@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Live cameras on the command line, shared by the commands that take them.
+// The command-line options for live cameras, shared by the commands that take them.
 #pragma once
 
 #include <optional>
@@ -14,20 +14,20 @@ class App;
 
 namespace airclay {
 
-/// As written.
+/// The options as given.
 struct CameraOptions {
   std::vector<std::string> cameras;  ///< NAME=SOURCE each
   std::vector<std::string> offsets;  ///< NAME=MS each
   std::string mode, format;          ///< 640x480 or 640x480@30; MJPG
   std::optional<double> exposure, gain, max_skew_ms;
   bool loop = false;
-  std::optional<ImageSize> usual_size;  ///< where no mode is given: the rig's
+  std::optional<ImageSize> usual_size;  ///< used without --mode: the rig's image size
 
   bool given() const { return !cameras.empty(); }
-  /// \throw Error (Fault::kUsage) naming a word that is malformed, or a name that is there twice
+  /// \throw Error (Fault::kUsage) naming a malformed option or a duplicate name
   std::vector<NamedSource> sources() const;
-  /// The cameras for LiveCameras, in the order of `sources`, with the offsets and modes that were given.
-  /// \throw Error (Fault::kUsage) naming an offset that is malformed or of no camera
+  /// The cameras for LiveCameras, in the order of `sources`, with the given offsets and modes. \throw Error
+  /// (Fault::kUsage) naming an offset that is malformed or of an unknown camera
   std::vector<LiveCamera> live(const std::vector<NamedSource>& sources) const;
   SourceOptions sourceOptions() const;
   LiveOptions liveOptions(LiveOptions::Sets sets) const;

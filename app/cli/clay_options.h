@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The clay's words on the command line, shared by the commands that take clay.
+// The clay's command-line options, shared by the commands that take clay.
 #pragma once
 
 #include <string>
@@ -13,7 +13,7 @@ class Option;
 
 namespace airclay {
 
-/// How the clay is subdivided and solved, as written.
+/// How to subdivide and solve the clay, as given.
 struct ClayOptions {
   std::string rule = "catmull-clark", solve = kSolveAll.id;
   int levels = 2;
@@ -24,14 +24,14 @@ struct ClayOptions {
   /// \pre `solve` names a method
   const SolveMethod* solveMethod() const { return findSolveMethod(solve); }
 
-  /// Of the options; none where the command has no such option.
+  /// Null if the command has no such option.
   const CLI::Option *levels_option = nullptr, *rule_option = nullptr, *solve_option = nullptr;
   bool levelsGiven() const;
-  /// Puts what was given on the command line into `state`; the rest stays as it is.
+  /// Applies the options that were given to `state`.
   void applyTo(ClayState& state) const;
 };
 
-/// What holds where an option is not given, for its help.
+/// The value without the option, for its help text.
 enum class WhenOmitted { kDefault, kKeep };
 
 /// --levels and --rule.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where results go, checked before the work begins; and the words on the hand.
+// Output paths, checked before work starts; and the hand options.
 #pragma once
 
 #include <filesystem>
@@ -10,11 +10,10 @@ class App;
 
 namespace airclay {
 
-/// \throw Error unless a file of this name could be written: its folder is there and may be written. Nothing
-/// is made.
+/// \throw Error unless `file` can be written: its folder exists and is writable. Creates nothing.
 void checkWritable(const std::filesystem::path& file);
 
-/// Makes the folder where there is none. \throw Error when that fails or it may not be written.
+/// Creates the folder if it does not exist. \throw Error if that fails or the folder is not writable.
 void makeFolder(const std::filesystem::path& folder);
 
 /// --hand and --fit.

@@ -42,7 +42,7 @@ void Progress::show(bool now_too) {
   if (caught_signal) throw Interrupted{caught_signal};
   if (!shown_) return;
   const auto now = std::chrono::steady_clock::now();
-  if (now - drawn_ < std::chrono::milliseconds(50) && !now_too) return;  // 20 Hz is enough for eyes
+  if (now - drawn_ < std::chrono::milliseconds(50) && !now_too) return;  // limit to 20 Hz
   drawn_ = now;
   draw();
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Long work: a bar on a terminal, and a clean end on Ctrl-C.
+// Progress of long tasks: a bar on the terminal, and a clean exit on Ctrl-C.
 #pragma once
 
 #include <chrono>
@@ -10,25 +10,25 @@
 
 namespace airclay {
 
-/// Ctrl-C, or the system's wish to end: what was open is closed, what was half written is gone.
+/// SIGINT or SIGTERM. Destructors close files and remove partial output.
 struct Interrupted {
   int signal;
 };
 
-/// Counts the steps of long work. While one exists, SIGINT and SIGTERM come out of advance() as Interrupted;
-/// a second one ends the program at once.
+/// Counts the steps of a long task. While it exists, advance() throws Interrupted after SIGINT or SIGTERM; a
+/// second signal ends the program at once.
 class Progress {
  public:
-  /// \param what  a word or two before the bar
-  /// \param shown whether a bar may be drawn; it is, where standard error is a terminal
+  /// \param what  label of the bar
+  /// \param shown draw the bar, if standard error is a terminal
   Progress(std::string what, int steps, bool shown);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// One step is done. \throw Interrupted
+  /// Finishes one step. \throw Interrupted
   void advance();
-  /// All steps together are done up to here, 0 to 1. \throw Interrupted
+  /// Sets the finished fraction of all steps, 0 to 1. \throw Interrupted
   void reach(double share);
 
  private:
@@ -43,8 +43,8 @@ class Progress {
   }, previous_end_{};
 };
 
-/// The same for work that says itself how far it is (engine/core/task.h): files, subdivision. Between two
-/// signs of life it cannot be interrupted.
+/// The same for code that reports its own progress (engine/core/task.h): files, subdivision. It can be
+/// interrupted only where it reports.
 class ProgressTask : public Task {
  public:
   ProgressTask(const std::string& what, bool shown) : progress_(what, 100, shown) {}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// `airclay bench`: how long each stage takes, beside its CPU reference and a peer.
+// `airclay bench`: times each stage and compares it with its CPU reference and a peer.
 #include "engine/validation/bench.h"
 
 #include <CLI/CLI.hpp>

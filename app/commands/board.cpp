@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// `airclay board`: the calibration board to be printed, and whether the cameras will read it.
+// `airclay board`: makes a calibration board to print, and checks whether the cameras can read it.
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <memory>
@@ -27,7 +27,7 @@ Page pageOf(const std::string& name) {
   return Page::kFit;
 }
 
-/// The camera that sees the board smallest, in words.
+/// The camera in which the board appears smallest.
 struct Sight {
   BoardSight sight;
   std::string camera;  ///< "a 640 x 480 camera at 1.1 m"
@@ -47,7 +47,7 @@ Sight sightFromOptions(const BoardCommandOptions& options) {
               " m away"};
 }
 
-/// Of a rig: the board is held in the middle of its workspace.
+/// For a rig, with the board at the center of its workspace.
 Sight sightOfRig(const BoardCommandOptions& options) {
   const RigUnits units = options.units == "m"    ? RigUnits::kMetres
                          : options.units == "mm" ? RigUnits::kMillimetres
@@ -78,11 +78,11 @@ std::optional<Sight> sightOf(const BoardCommandOptions& options) {
   return sightFromOptions(options);
 }
 
-/// What was found out about the cameras.
+/// Whether the cameras can read the board.
 struct Verdict {
   double cell_px = 0;
   bool readable = false;
-  std::optional<BoardProposal> proposal;  ///< where it is not readable
+  std::optional<BoardProposal> proposal;  ///< if it is not readable
 };
 
 Verdict judge(const Board& board, const Sight& sight, Page page) {

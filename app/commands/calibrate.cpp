@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// `airclay calibrate`: from a recording of a waved board to rig.toml, with a word on how good it is.
+// `airclay calibrate`: computes rig.toml from images of a moving board, and reports its accuracy.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>

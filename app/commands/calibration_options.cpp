@@ -14,14 +14,14 @@
 namespace airclay {
 namespace {
 
-// Paper shrinks and rulers are read to half a millimetre over a board: less than this is no other size.
+// Paper shrinks, and a ruler is accurate to half a millimetre over a board: smaller differences are ignored.
 constexpr double kSameSize = 0.002;
-// Sources whose times are arrivals: half of what a USB camera's delay varies by.
+// For sources with arrival times: half the variation of a USB camera's delay.
 constexpr double kUnseenSkewS = 0.008;
 constexpr auto kLookS = std::chrono::milliseconds(50);
 constexpr double kAdviceStaysS = 2;
 
-/// Until there is enough, the files are over, or Ctrl-C says that it is; advice is printed when it changes.
+/// Collects views until there are enough, the files end, or Ctrl-C. Prints the advice when it changes.
 void collectInTerminal(const CalibrationCommandOptions& options, LiveCalibration& calibration) {
   std::string printed;
   Clock::time_point printed_at{};
@@ -37,7 +37,7 @@ void collectInTerminal(const CalibrationCommandOptions& options, LiveCalibration
       printed_at = Clock::now();
       if (!printed.empty()) printLine(options, printed);
     }
-  } catch (const Interrupted&) {  // that is enough
+  } catch (const Interrupted&) {  // Ctrl-C: calibrate with the views so far
   }
 }
 

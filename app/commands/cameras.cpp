@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// `airclay cameras`: the devices and their modes; named cameras, opened; and how they run together.
+// `airclay cameras`: lists devices and their modes, opens named cameras, and shows how they run together.
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -78,7 +78,7 @@ void printDevices(const std::vector<V4l2Device>& devices) {
 
 // -------------------------------------------------------------------------------------------- watching
 
-/// What was seen of the sets.
+/// Statistics of the received sets.
 struct SetFigures {
   int sets = 0, incomplete = 0;
   std::vector<double> skews_s;
@@ -119,7 +119,7 @@ Json statusJson(const std::vector<CameraStatus>& all, const std::vector<NamedSou
   return list;
 }
 
-/// A table a second: on a terminal always in the same place.
+/// Prints the table; on a terminal, over the previous one.
 class Table {
  public:
   void show(const std::vector<CameraStatus>& all, const std::string& line) {
@@ -157,7 +157,7 @@ Json watch(const CamerasOptions& options, const std::vector<NamedSource>& source
   double shown_s = 0;
   const auto passed = [&] { return secondsBetween(start, Clock::now()); };
   try {
-    Progress signals("watching", 1, false);  // Ctrl-C ends it well
+    Progress signals("watching", 1, false);  // handles Ctrl-C
     const auto onProgress = [&](const LiveSet* set) {
       signals.reach(0);
       if (set) figures.add(*set);

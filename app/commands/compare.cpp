@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// `airclay compare`: every GPU kernel against its CPU reference, on this machine's devices.
+// `airclay compare`: checks every GPU kernel against its CPU reference on this machine's devices.
 #include "engine/validation/compare.h"
 
 #include <CLI/CLI.hpp>
@@ -12,14 +12,14 @@
 namespace airclay {
 namespace {
 
-/// The chosen device, or all that are usable.
+/// The chosen device, or all usable devices.
 std::vector<std::string> chosenDevices(const CommonOptions& options) {
   if (!options.device.empty()) return {options.device};
   std::vector<std::string> indices;
   const std::vector<DeviceInfo> devices = Gpu::devices();
   for (std::size_t i = 0; i < devices.size(); ++i)
     if (devices[i].missing.empty()) indices.push_back(std::to_string(i));
-  if (indices.empty()) indices.emplace_back();  // Gpu's own message says what is wrong
+  if (indices.empty()) indices.emplace_back();  // Gpu's constructor reports the problem
   return indices;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// `airclay devices`: the Vulkan devices of this machine and what they lack.
+// `airclay devices`: lists the Vulkan devices of this machine and the features they lack.
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// `airclay new`, `history`, `undo`, `redo`, `refine`, `set` and `turn`: what the window does with a document,
-// without one.
+// `airclay new`, `history`, `undo`, `redo`, `refine`, `set` and `turn`: edit a document without a window.
 #include "engine/clay/document.h"
 
 #include <CLI/CLI.hpp>
@@ -38,7 +37,7 @@ struct TurnOptions : DocumentOptions {
   double degrees = 0;
 };
 
-/// The document's own ending shows what it is, and a slip of the keyboard makes no cage.obj a database.
+/// Requires the extension .clay, so that a typing error cannot overwrite an OBJ with a document.
 void checkEnding(const std::string& file) {
   if (!file.ends_with(".clay"))
     throw Error(file + ": a document's name ends in .clay; " + file + ".clay would be right", Fault::kUsage);
@@ -48,7 +47,8 @@ void runNew(const NewOptions& options) {
   checkEnding(options.file);
   const ClayState state{loadCage(options.clay), options.clay_options.subdivisionRule(),
                         options.clay_options.levels, options.clay_options.solveMethod()};
-  // Before the file exists: a level that is too high is a fault of this command, not of the document.
+  // Checked before the file exists: a level that is too high is an error of this command, not of the
+  // document.
   const Subdivision subdivision = subdivide(state.cage, state.levels, state.rule);
   Document::create(options.file, state);
   printLine(options, options.file + ": " + counted(state.cage.points.size(), "control point") + ", " +
@@ -60,7 +60,7 @@ std::string localTime(std::int64_t unix_time_s) {
   std::tm parts{};
   char text[64];
   if (!localtime_r(&time, &parts) || std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S", &parts) == 0)
-    return "unknown";  // a year that no calendar has
+    return "unknown";  // year out of range
   return text;
 }
 
@@ -142,7 +142,7 @@ void runSet(const SetOptions& options) {
             ": nothing to change; --levels, --rule, --solve or --clay with another value would be right",
         Fault::kUsage);
   const Subdivision subdivision =
-      subdivide(state.cage, state.levels, state.rule);  // refuses a level that is too high
+      subdivide(state.cage, state.levels, state.rule);  // throws if the level is too high
   document.commit(!options.clay.empty() ? "Import " + std::filesystem::path(options.clay).filename().string()
                   : options.clay_options.levelsGiven() ? "Level " + std::to_string(state.levels)
                                                        : "Settings",

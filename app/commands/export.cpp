@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// `airclay export`: clay for other programs, the cage or the surface, with a word on whether it can be
-// printed.
+// `airclay export`: writes the cage or the surface for other programs, and reports whether it can be
+// 3D-printed.
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -22,7 +22,7 @@ struct ExportOptions : CommonOptions {
   ClayOptions clay_options;
 };
 
-/// A document's own level and rule are what it is exported with, unless the words say otherwise.
+/// The clay to export. A document's level and rule apply unless the options override them.
 ClayState clayOf(const ExportOptions& options) {
   ClayState clay;
   if (options.clay.ends_with(".clay"))

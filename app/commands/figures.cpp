@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// `airclay figures`: the paper's figures, drawn from our own data.
+// `airclay figures`: draws the paper's figures from synthetic data.
 #include <CLI/CLI.hpp>
 #include <memory>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// `airclay hull`: one frame's visual hull as points.
+// `airclay hull`: writes the visual hull of one frame as points.
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <memory>
@@ -32,7 +32,7 @@ void runHull(const HullOptions& options) {
   checkVoxels(options.voxels);
   Take take = options.take.open();
   CommandGpu gpu(options);
-  // No hand is looked for; the pipeline has one all the same.
+  // Pipeline needs a hand model, although no hand is tracked here.
   Pipeline pipeline(gpu, take.rig(), builtInHand(false), {options.voxels});
   Player(take, pipeline).hullOf(options.frame);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// `airclay offsets`: how far the cameras' clocks are apart, from a recording in which a hand moves.
+// `airclay offsets`: estimates the offsets between the cameras' clocks from a recording of a moving hand.
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <memory>
@@ -15,16 +15,16 @@
 namespace airclay {
 namespace {
 
-// A silhouette of fewer pixels is a finger at the image's edge, or dirt.
+// Ignore smaller silhouettes: a finger at the image's edge, or noise.
 constexpr std::size_t kLeastPixels = 100;
-// Less than this is no difference that matters: at 1 m/s, a millimetre.
+// Ignore smaller offsets: a millimetre at 1 m/s.
 constexpr double kSameClockS = 0.001;
 
 struct OffsetsOptions : CommonOptions {
   TakeInputOptions take;
 };
 
-/// The mean of a silhouette's pixels; none where it is too small.
+/// The centroid of a silhouette; nullopt if it is too small.
 std::optional<Vec2> centroidOf(const Mask& mask) {
   Vec2 sum = Vec2::Zero();
   std::size_t count = 0;
@@ -39,7 +39,7 @@ std::optional<Vec2> centroidOf(const Mask& mask) {
   return sum / static_cast<double>(count);
 }
 
-/// What each camera saw move, on its own clock.
+/// The motion that each camera saw, on its own clock.
 std::vector<MotionSeries> motionIn(const OffsetsOptions& options, Take& take) {
   CommandGpu gpu(options);
   Pipeline pipeline(gpu, take.rig(), builtInHand(false), {options.voxels});

@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kMargin = ContactSheet::kMargin, kGap = ContactSheet::kGap;
 
-/// The hand upright, its back towards -y, its middle at the workspace's.
+/// The hand upright, its back towards -y, centered in the workspace.
 Pose uprightHand() {
   Pose pose = Pose::Identity();
   pose.linear() << 0, -1, 0, 0, 0, -1, 1, 0, 0;
@@ -40,7 +40,7 @@ View nearView(double azimuth_rad, double elevation_rad, double distance_m,
   return orbitView(orbit);
 }
 
-/// What a camera of the rig sees: BGR bytes in the frame's buffer.
+/// A camera's image: BGR bytes in the frame's buffer.
 RgbaImage cameraImage(const GpuRig& rig, const Buffer<std::uint32_t>& images, std::size_t camera) {
   const GpuCamera& c = rig.camera(camera);
   const auto* bgr = reinterpret_cast<const std::uint8_t*>(images.host().data() + c.image_words);
@@ -50,7 +50,7 @@ RgbaImage cameraImage(const GpuRig& rig, const Buffer<std::uint32_t>& images, st
   return image;
 }
 
-/// The part of a mask around what is set in it, a pixel a pixel.
+/// The part of a mask around its set pixels, unscaled.
 RgbaImage maskImage(const Mask& mask, ImageSize size) {
   long x_sum = 0, y_sum = 0, count = 0;
   for (int y = 0; y < mask.height; ++y)
@@ -153,7 +153,7 @@ void addArrow(std::vector<SceneCapsule>& capsules, const Vec3& from, const Vec3&
   capsules.push_back({to - head_m * along, to, 2.6 * radius_m, 0.1 * radius_m, color});
 }
 
-/// An arrow bent round an axis through `center`, from the direction `from` by `angle_rad`.
+/// An arrow around an axis through `center`, from the direction `from` by `angle_rad`.
 void addArc(std::vector<SceneCapsule>& capsules, const Vec3& center, const Vec3& axis, const Vec3& from,
             double angle_rad, const vec3& color) {
   constexpr int kPieces = 28;
@@ -166,8 +166,8 @@ void addArc(std::vector<SceneCapsule>& capsules, const Vec3& center, const Vec3&
   capsules.push_back({at(0.72), at(1), 2.3 * kRadiusM, 0.1 * kRadiusM, color});
 }
 
-/// Fig. 3: the fit's coordinate system, its origin in the hand's centre of gravity, its axes the world's; the
-/// hand is turned by the angle α and moved by d.
+/// Fig. 3: the fit's coordinate system, its origin in the hand's centre of gravity, its axes parallel to the
+/// world's; the hand is turned by the angle α and moved by d.
 RgbaImage coordinateSystem(Gpu& gpu, const HandModel& hand) {
   const DrawnMesh skin = DrawnMesh::withDistances(gpu, hand.skin);
   const Vec3 centroid_in_hand = massProperties(withCaps(hand.skin)).centroid;
@@ -186,7 +186,7 @@ RgbaImage coordinateSystem(Gpu& gpu, const HandModel& hand) {
   translucent.opacity = 0.36;
   scene.hand = translucent;
   scene.ground_z_m = -0.085;
-  // where the fit will bring it
+  // the pose that the fit finds
   for (SceneCapsule capsule : skeletonCapsules(hand, target)) {
     capsule.albedo = ivory;
     scene.capsules.push_back(capsule);
@@ -197,7 +197,7 @@ RgbaImage coordinateSystem(Gpu& gpu, const HandModel& hand) {
   addArrow(scene.capsules, Vec3::Zero(), Vec3(0, 0, 0.13), 0.0021, blue);
   addArrow(scene.capsules, Vec3::Zero(), d, 0.0026, dark);
   addArc(scene.capsules, d, Vec3::UnitZ(), Vec3(0.085, 0, 0), alpha_rad, dark);
-  SceneStrokes unturned;  // from where α is counted
+  SceneStrokes unturned;  // the direction α = 0
   unturned.own_points = {d, d + Vec3(0.1, 0, 0), d,
                          d + 0.1 * Vec3(std::cos(alpha_rad), std::sin(alpha_rad), 0)};
   unturned.color = dark;
@@ -297,11 +297,11 @@ RgbaImage cameraSystem(Gpu& gpu, const HandModel& hand) {
   return page.image();
 }
 
-/// The moments of fig. 6 in the demo's script, seconds: beside the clay, pressing, pressed in, away, pressing
-/// from above, away.
+/// The moments of fig. 6 in the demo's script, seconds: next to the clay, pressing, pressed in, away,
+/// pressing from above, away.
 constexpr double kMoments[] = {1.25, 1.6, 1.95, 2.6, 4.75, 5.4};
 
-/// Fig. 6: the demo's hand deforms the clay, from pixels on.
+/// Fig. 6: the demo's hand deforms the clay, starting from images.
 RgbaImage deformation(Gpu& gpu, const HandModel& hand, int voxels, const std::function<void()>& step_done) {
   Synthetic recording(gpu);
   const ClayState clay{presetCage("tube")};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The paper's figures 1 to 6, drawn from our own data: the demo's hand, cameras and clay.
+// Draws figures 1 to 6 of the paper from the demo's hand, cameras and clay.
 #pragma once
 
 #include <filesystem>
@@ -9,7 +9,7 @@
 
 namespace airclay {
 
-/// How many times drawFigures() says that a part of the work is done.
+/// How many times drawFigures() reports a finished part.
 int figureSteps();
 
 /// Writes figure1.png to figure6.png into a folder that exists. `voxels` along the workspace's edge.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// `airclay recalibrate`: a rig whose cameras were bumped, put right from a short recording of a waved board.
+// `airclay recalibrate`: corrects a rig whose cameras were moved, from a short recording of a moving board.
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -17,7 +17,7 @@ struct RecalibrateOptions : CalibrationCommandOptions {
   RecalibrationOptions recalibration;
 };
 
-/// Writes it, with all that is to be warned of.
+/// Adds the warnings and writes the rig.
 void save(const RecalibrateOptions& options, const Board& board, Recalibration& found,
           const std::vector<std::string>& warnings) {
   Calibration& calibration = found.calibration;
@@ -31,7 +31,7 @@ Recalibration recalibrateRecording(const RecalibrateOptions& options, const Rig&
                                    std::vector<std::string>& warnings) {
   BoardRecording recording(options.take);
   try {
-    checkSameCameras(rig, recording.cameras());  // before the search, which takes long
+    checkSameCameras(rig, recording.cameras());  // before the slow search
     const std::vector<CameraViews> views = options.findBoards(recording, board, warnings);
     const ProgressTask progress("recalibrating", options.printsMessages());
     Recalibration found = recalibrate(board, rig, views, options.recalibration);
@@ -71,7 +71,7 @@ std::string names(const Recalibration& found, bool moved) {
   return list;
 }
 
-/// Which cameras moved, and what the world is by now.
+/// Describes which cameras moved and where the world is.
 std::string describeWorld(const RecalibrateOptions& options, const Recalibration& found) {
   const std::string moved = names(found, true), still = names(found, false);
   const std::string what = !found.world_kept ? "no two cameras stand to each other as before"

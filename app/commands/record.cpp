@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// `airclay record`: a take from live cameras, every set with its capture times, without loss.
+// `airclay record`: records a take from live cameras, with the capture times of every set, losslessly.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -18,7 +18,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// A camera that stays away for so long will hardly come back by itself: the recording ends.
+// After this time without a complete set, the recording ends.
 constexpr double kAwayS = 5;
 constexpr double kWaitS = 0.1;
 
@@ -30,8 +30,7 @@ struct RecordOptions : CommonOptions {
   double background_s = 0;
 };
 
-/// What the cameras are called and how large their images are: all that a recording needs where the rig is
-/// still to be calibrated.
+/// A rig with only names and image sizes, for a recording to calibrate from.
 Rig namesAndSizes(const std::vector<CameraStatus>& cameras) {
   Rig rig;
   for (const CameraStatus& one : cameras) {
@@ -44,7 +43,7 @@ Rig namesAndSizes(const std::vector<CameraStatus>& cameras) {
   return rig;
 }
 
-/// Says once, as it happens, that a camera froze or was lost, and that it is back.
+/// Warns once when a camera freezes or is lost, and when it is back.
 class Watcher {
  public:
   void look(const std::vector<CameraStatus>& all) {
@@ -66,7 +65,7 @@ class Watcher {
   std::vector<bool> bad_;
 };
 
-/// One recording, while it goes on.
+/// One recording in progress.
 class Recorder {
  public:
   Recorder(const RecordOptions& options, LiveCameras& cameras, const Rig& rig)
@@ -76,7 +75,7 @@ class Recorder {
 
   void takeBackground(int sets);
   void run();
-  /// Closes all. \throw Error when something could not be written
+  /// Closes all files. \throw Error if writing failed
   void finish() { writer_.finish(); }
 
   Json figures() const;
@@ -92,16 +91,16 @@ class Recorder {
   LiveCameras& cameras_;
   TakeWriter writer_;
   Watcher watcher_;
-  std::string why_;  ///< a camera that stayed away; empty: it ended as it should
+  std::string why_;  ///< why the recording ended early; empty: it did not
   Clock::time_point last_complete_ = Clock::now();
   std::vector<std::uint64_t> drops_before_;
-  std::vector<std::uint64_t> missed_;  ///< instants without this camera
+  std::vector<std::uint64_t> missed_;  ///< per camera: sets without its image
   int incomplete_ = 0, background_sets_ = 0, sets_ = 0;
   double first_s_ = 0, last_s_ = 0;  ///< of the sets' times
   std::vector<double> skews_s_;
 };
 
-/// None for the time being, or at the end; `why_` says when a camera stays away.
+/// The next complete set; nullopt if there is none yet or any more. Sets `why_` if none comes for kAwayS.
 std::optional<LiveSet> Recorder::nextComplete() {
   std::optional<LiveSet> set = cameras_.next(kWaitS);
   const std::vector<CameraStatus> status = cameras_.status();
@@ -126,7 +125,7 @@ std::optional<LiveSet> Recorder::nextComplete() {
   return std::nullopt;
 }
 
-/// The mean of the first sets: it has less noise than any of them.
+/// Averages the first sets, which reduces noise.
 void Recorder::takeBackground(int sets) {
   std::vector<std::vector<unsigned>> sums;
   Progress progress("background", sets, options_.printsMessages());
@@ -154,7 +153,7 @@ void Recorder::takeBackground(int sets) {
 void Recorder::write(LiveSet set) {
   const std::vector<double>& times_s = set.camera_times_s;
   if (sets_ == 0) {
-    // The machine's clock began whenever it was switched on; the take's begins here.
+    // The take's clock starts at its first set.
     first_s_ = *std::min_element(times_s.begin(), times_s.end());
     for (const CameraStatus& one : cameras_.status()) drops_before_.push_back(one.drops);
   }
@@ -255,7 +254,7 @@ void runRecord(const RecordOptions& options) {
     if (options.seconds == 0) printLine(options, "recording; press Ctrl-C to stop");
     recorder.run();
   } catch (const Interrupted&) {
-    // how a recording without --seconds is ended
+    // Ctrl-C ends a recording without --seconds
   }
   std::string fault;
   try {

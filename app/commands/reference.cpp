@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-// `airclay reference FORMAT`: the command line described for other programs, derived from the options
-// themselves: a man page, shell completions, and the table of commands in app/docs/commands.md. Hidden: the
-// build calls it.
+// `airclay reference FORMAT`: prints a man page, shell completions or the table in app/docs/commands.md,
+// derived from the options themselves. Hidden: the build calls it.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>

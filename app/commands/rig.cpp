@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// `airclay rig convert` and `airclay rig check`: calibrations from and for other programs, and what is wrong
-// with one.
+// `airclay rig convert` and `airclay rig check`: convert a rig from and to other programs' formats, and
+// report its problems.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
@@ -37,7 +37,7 @@ struct CheckOptions : RigOptions {
   int background_frames = 10;
 };
 
-/// --center and --edge, where they were given.
+/// Applies --center and --edge.
 void moveWorkspace(const RigOptions& options, RigReading& reading) {
   if (options.edge_m > 0) reading.rig.workspace.edge_m = options.edge_m;
   if (options.center.empty()) return;
@@ -60,7 +60,7 @@ RigReading readTheRig(const RigOptions& options) {
 
 // --- convert ---
 
-/// The folder that may hold the recordings of a rig whose sizes are not written.
+/// The folder with the recordings of a rig without image sizes.
 std::filesystem::path recordingsOf(const ConvertOptions& options) {
   if (!options.take.empty()) return options.take;
   if (std::filesystem::is_directory(options.rig)) return options.rig;
@@ -91,11 +91,11 @@ void runConvert(const ConvertOptions& options) {
 
 // --- check ---
 
-/// All that is known of a rig.
+/// Everything known about a rig.
 struct RigReport {
   std::string where;
-  std::optional<RigFigures> figures;           ///< none of a rig that cannot be measured
-  std::vector<SilhouetteAgreement> agreement;  ///< a camera each; none without silhouettes
+  std::optional<RigFigures> figures;           ///< nullopt if the rig cannot be measured
+  std::vector<SilhouetteAgreement> agreement;  ///< one per camera; empty without silhouettes
   std::vector<RigDiagnostic> findings;
 
   void add(const std::vector<RigDiagnostic>& more) {
@@ -108,7 +108,7 @@ struct RigReport {
   }
 };
 
-/// A file that cannot be read at all has one fault, its own.
+/// A file that cannot be read yields one error.
 RigReport reportOn(const CheckOptions& options) {
   RigReport report;
   report.where = options.rig;
@@ -117,7 +117,7 @@ RigReport reportOn(const CheckOptions& options) {
     reading = readTheRig(options);
   } catch (const Error& error) {
     if (error.fault() == Fault::kUsage) throw;
-    // The other file of a pair is named by itself.
+    // The error may name the other file of a pair.
     if (!std::string(error.what()).starts_with(report.where))
       report.where = std::filesystem::path(options.rig).parent_path().string();
     report.findings.push_back(faultFrom(error, report.where));

@@ -358,7 +358,7 @@ void addSculpt(CLI::App& program, int&) {
       "sculpt", "sculpt clay in the studio, with a hand from a recording, live cameras or the mouse");
   const auto options = std::make_shared<SculptOptions>();
   addTakeOptions(*command, options->take);
-  command->get_option("TAKE")->required(false);  // the mouse's hand
+  command->get_option("TAKE")->required(false);  // the mouse hand
   command
       ->add_option(
           "--clay", options->clay,

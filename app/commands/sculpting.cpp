@@ -15,9 +15,9 @@
 namespace airclay {
 namespace {
 
-constexpr double kMouseRateHz = 30;  // of the film of a mouse's hand
+constexpr double kMouseRateHz = 30;  // of the video of a mouse session
 
-/// What the clay went through.
+/// Penetration statistics of the clay.
 class ClayFigures {
  public:
   void add(const ClayStep& step) {
@@ -35,7 +35,7 @@ class ClayFigures {
   std::vector<double> penetration_mm_;
 };
 
-/// Takes the stills and the video while the clay is sculpted.
+/// Renders the stills and the video during sculpting.
 class Film {
  public:
   Film(Gpu& gpu, const Pipeline& pipeline, const Sculpting& sculpting, double rate_hz)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The main job: a recording's hand sculpts clay, and what comes of it is left in a folder.
+// Sculpts with the hand of a recording, and writes the results to a folder.
 #pragma once
 
 #include <filesystem>
@@ -19,21 +19,21 @@ namespace airclay {
 struct Sculpting {
   HandModel hand;
   std::optional<TriangleMesh> forearm;         ///< drawn behind the hand
-  ClayState clay;                              ///< at the beginning
-  std::filesystem::path out;                   ///< a folder that is there
+  ClayState clay;                              ///< at the start
+  std::filesystem::path out;                   ///< an existing folder
   std::optional<std::filesystem::path> video;  ///< an .mp4
 };
 
-/// What is left of a sculpting: surface.obj, cage.obj, poses.tum, before.png, touch.png and workings.png (of
-/// the first frame in which the hand touches clay), after.png, and the video; and what it came to in words.
+/// The results of sculpting: surface.obj, cage.obj, poses.tum, before.png, touch.png and workings.png (of the
+/// first frame in which the hand touches clay), after.png, the video, and a text summary.
 class SculptResults {
  public:
-  /// `recording` and `sculpting` must outlive this; no recording: the mouse's hand.
+  /// `recording` and `sculpting` must outlive this; a null recording means the mouse hand.
   SculptResults(Gpu& gpu, const Pipeline& pipeline, const Recording* recording, const Sculpting& sculpting);
   ~SculptResults();
 
   void add(const PlayedFrame& frame);
-  /// Writes what is left.
+  /// Writes the remaining files.
   void finish(const Pipeline& pipeline);
   void printLine(const CommonOptions& options) const;
 
@@ -42,8 +42,8 @@ class SculptResults {
   std::unique_ptr<Parts> parts_;
 };
 
-/// Plays the whole recording, or what was recorded, without a window, and leaves its SculptResults; strokes
-/// go into `document`. The frames take the window's way, so that both make the same clay.
+/// Plays or replays the whole recording without a window and writes its SculptResults; strokes go into
+/// `document`. Frames go through Session, as in the window, so that both make the same clay.
 void sculptHeadless(Gpu& gpu, const Session::Options& options, const Sculpting& sculpting,
                     const SculptControls& controls, Document document, const CommonOptions& common);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// `airclay serve`: the cameras of this machine as RTSP streams, for Airclay on another one.
+// `airclay serve`: streams this machine's cameras by RTSP to Airclay on another machine.
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
@@ -27,7 +27,7 @@ struct ServeOptions : CommonOptions {
   double seconds = 0;  ///< 0: until Ctrl-C, or the end of files
 };
 
-/// Says once, as it happens, that a camera froze, was lost or ended, and that it is back.
+/// Warns once when a camera freezes, is lost or ends, and when it is back.
 class Watcher {
  public:
   void look(const std::vector<StreamStatus>& all) {
@@ -66,7 +66,7 @@ void printAddresses(const ServeOptions& options, const StreamServer& server) {
   if (options.address == "0.0.0.0" || options.address == "::")
     printLine(options, "replace this address by this machine's name or address: " + options.address);
   if (options.seconds == 0) printLine(options, "press Ctrl-C to stop");
-  std::fflush(stdout);  // who starts it from a script waits for these lines
+  std::fflush(stdout);  // scripts wait for these lines
   if (!options.address.starts_with("127.") && options.address != "::1")
     printWarning("anyone who reaches port " + std::to_string(server.port()) +
                  " of this machine can watch its cameras; "
@@ -109,7 +109,7 @@ void runServe(const ServeOptions& options) {
   try {
     run(options, server, progress);
   } catch (const Interrupted&) {
-    // how it is ended without --for
+    // Ctrl-C ends it without --seconds
   }
   const std::vector<StreamStatus> last = server.status();
   if (options.json) printJson(figures(last));

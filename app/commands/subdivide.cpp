@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// `airclay subdivide` and `airclay deform`: the clay's mathematics alone, eq. (5) and eq. (6)-(8), in double
-// precision on the CPU.
+// `airclay subdivide` and `airclay deform`: eq. (5) and eq. (6)-(8) in double precision on the CPU.
 #include "engine/clay/subdivide.h"
 
 #include <CLI/CLI.hpp>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// `airclay track`: hand poses alone, from a recording.
+// `airclay track`: writes the hand poses of a recording.
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>

@@ -11,7 +11,7 @@ namespace {
 
 using Kind = Action::Kind;
 
-// 400 bytes a frame of the mouse's hand: six hours at 60 Hz are half of it.
+// 400 bytes per frame with the mouse hand: six hours at 60 Hz take half of this.
 constexpr std::size_t kMostBytes = std::size_t(1) << 30;
 constexpr int kFormat = 1;
 
@@ -26,7 +26,7 @@ std::string wordOf(const Symmetry& symmetry) {
   return axes.empty() ? "-" : axes;
 }
 
-/// The words of one line, taken from the left.
+/// Reads the fields of one line from the left.
 class Line {
  public:
   Line(const std::string& where, std::string_view text) : where_(where), words_(std::string(text)) {}
@@ -34,13 +34,13 @@ class Line {
   [[noreturn]] void fail(const std::string& right) const {
     throw Error(where_ + ": " + right + " would be right");
   }
-  /// Empty past the last.
+  /// Empty after the last field.
   std::string word() {
     std::string word;
     words_ >> word;
     return word;
   }
-  /// All that is left.
+  /// The rest of the line.
   std::string rest() {
     std::string text;
     std::getline(words_ >> std::ws, text);
@@ -63,7 +63,7 @@ class Line {
       if (found == words[i]) return static_cast<int>(i);
     fail(right);
   }
-  /// A file that lies beside: a name, no path.
+  /// A file in the same folder: a name without a path.
   std::string fileBeside() {
     const std::string name = word();
     if (name.empty() || name.find('/') != std::string::npos || name.starts_with("."))

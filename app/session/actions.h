@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// What a person did while a recording was made, frame by frame: actions.txt in the recorded take. With the
-// frames and start.clay, the clay that they began with, it makes the same clay again.
+// actions.txt in a recorded take: the user's actions, frame by frame. Replaying it on the frames and
+// start.clay, the initial clay, gives the same clay.
 //
-// A line is a word and its values, separated by blanks; numbers have all their digits.
+// Each line is a keyword and its values, separated by spaces; numbers have full precision.
 //
 //     airclay-actions 1                 the format
 //     background N                      how many first frames may show the empty workspace
@@ -39,7 +39,7 @@
 
 namespace airclay {
 
-/// What was done between two frames.
+/// One action between two frames.
 struct Action {
   enum class Kind { kEndStroke, kUndo, kRedo, kRefine, kSurface, kTurn, kClay, kDocument, kRestart, kEmpty };
   Kind kind = Kind::kUndo;
@@ -48,25 +48,25 @@ struct Action {
   const SolveMethod* solve = &kSolveAll;
   Vec3 axis = Vec3::UnitZ();  ///< kTurn: about the workspace's centre
   double angle_rad = 0;
-  bool last = false;       ///< kTurn: it is done
+  bool last = false;       ///< kTurn: the rotation ends
   std::string file, name;  ///< kClay, kDocument
 };
 
-/// A frame as it was worked on.
+/// A frame as it was processed.
 struct ReplayFrame {
-  bool learned = false;  ///< the empty workspace; the rest means nothing
+  bool learned = false;  ///< learned the background; the other members do not apply
   double time_s = 0, step_s = 0;
   ToolChoice tool;
   Symmetry symmetry;
   bool held = true, filtered = true;
-  std::uint32_t missing_cameras = 0;  ///< bits of cameras that had no image
-  std::optional<Pose> given_hand;     ///< the mouse's, where there is one
+  std::uint32_t missing_cameras = 0;  ///< bit mask of cameras without an image
+  std::optional<Pose> given_hand;     ///< the mouse hand's pose, if it is present
 };
 
-/// How the recording was made.
+/// The recording's settings.
 struct ActionsHeader {
   int background_frames = 0, voxels = 128;
-  std::string hand = "right";  ///< right, left, or a file beside
+  std::string hand = "right";  ///< right, left, or a file in the same folder
   bool by_mouse = false;
 };
 
@@ -76,9 +76,9 @@ struct Actions {
     ReplayFrame frame;
   };
   ActionsHeader head;
-  std::vector<Step> steps;    ///< a frame each
+  std::vector<Step> steps;    ///< one per frame
   std::vector<Action> after;  ///< the last frame
-  bool ended = false;         ///< as it should; else it broke off
+  bool ended = false;         ///< false: the recording is incomplete
 };
 
 std::string linesOf(const ActionsHeader& head);
@@ -88,10 +88,10 @@ inline constexpr const char* kActionsFile = "actions.txt";
 inline constexpr const char* kActionsEnd = "end\n";
 inline constexpr const char* kStartFile = "start.clay";
 
-/// Whether the folder is a recording of a sculpting.
+/// Whether the folder contains recorded actions.
 bool hasActions(const std::filesystem::path& folder);
 
-/// A last line without its end is not looked at. \throw Error naming file and line.
+/// Ignores a last line without a newline. \throw Error naming file and line.
 Actions readActions(const std::filesystem::path& file);
 
 }  // namespace airclay

@@ -10,7 +10,7 @@ namespace {
 constexpr int kSheet[3] = {250, 249, 247};
 constexpr double kCornerRadius = 10;  // pixels
 
-/// How much of a pixel lies inside a rectangle with rounded corners.
+/// The fraction of a pixel inside a rectangle with rounded corners.
 double cover(ImageSize size, int x, int y) {
   const double across = std::abs(x + 0.5 - 0.5 * size.width) - (0.5 * size.width - kCornerRadius);
   const double down = std::abs(y + 0.5 - 0.5 * size.height) - (0.5 * size.height - kCornerRadius);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A sheet on which images are laid side by side.
+// A sheet with images side by side.
 #pragma once
 
 #include "app/session/images.h"
@@ -12,7 +12,7 @@ class ContactSheet {
   static constexpr int kMargin = 24, kGap = 16;  ///< pixels
 
   explicit ContactSheet(ImageSize size);
-  /// The image's upper left corner comes to (left, top). What reaches over the sheet's edge is cut off.
+  /// Places the image's upper left corner at (left, top) and crops it at the sheet's edges.
   void lay(const RgbaImage& image, int left, int top);
   const RgbaImage& image() const { return image_; }
 

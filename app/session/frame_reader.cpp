@@ -21,9 +21,9 @@ void FrameReader::run() {
   FrameSet set;
   try {
     while (waitForRoom()) {
-      if (!read(set)) continue;  // live, and nothing came
+      if (!read(set)) continue;  // live, no image yet
       const std::lock_guard lock(mutex_);
-      if (restart_) continue;  // what was read is of the last round
+      if (restart_) continue;  // read before the restart
       std::swap(slot_, set);
       last_captured_ = slot_.captured_at;
       full_ = true;
@@ -37,7 +37,7 @@ void FrameReader::run() {
   }
 }
 
-/// When the next frame is due: at the recording's own pace.
+/// When the next frame is due, at the recording's rate.
 Clock::time_point FrameReader::due() const {
   if (next_ == 0 || !paced_) return Clock::now();
   const std::chrono::duration<double> interval(1 / recording_.rateHz());
@@ -63,12 +63,12 @@ bool FrameReader::waitForRoom() {
   return false;
 }
 
-/// False when a live recording gave nothing. Its times are known only after the images.
+/// False if a live recording has no image yet. Its times are known only after the images.
 bool FrameReader::read(FrameSet& set) {
   set.frame = next_;
   set.captured_at = Clock::now();
   const std::vector<Camera>& cameras = recording_.rig().cameras;
-  set.bytes.resize(cameras.size());  // whoever took the last set gave another for it
+  set.bytes.resize(cameras.size());  // next() exchanged the last set for another
   for (std::size_t c = 0; c < cameras.size(); ++c)
     set.bytes[c].resize(std::size_t(cameras[c].width) * std::size_t(cameras[c].height) *
                         (recording_.hasSilhouettes() ? 1 : 3));

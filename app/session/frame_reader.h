@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Reads a recording on a thread of its own, one frame set at a time, when it is asked for and due: what is
-// read earlier is late when it is shown. Whoever takes frames asks while the last image is still being
-// drawn.
+// Reads a recording on its own thread, one frame set at a time, when it is requested and due; reading earlier
+// would add latency. The consumer requests the next set while the last image is being drawn.
 #pragma once
 
 #include <chrono>
@@ -16,32 +15,32 @@
 
 namespace airclay {
 
-/// The images of all cameras at one instant, or their masks.
+/// The images or masks of all cameras at one instant.
 struct FrameSet {
   int frame = 0;
-  double time_s = 0;              ///< the recording's
+  double time_s = 0;              ///< on the recording's clock
   Clock::time_point captured_at;  ///< when the frame was due, and its decoding began
   double decode_ms = 0;
-  std::vector<double> camera_times_s;            ///< empty where the cameras have none of their own
-  std::uint32_t missing_cameras = 0;             ///< bits of cameras without an image
-  std::vector<std::string> camera_problems;      ///< what is wrong with the cameras
-  std::vector<std::vector<std::uint8_t>> bytes;  ///< one a camera: BGR, or a mask's bytes
+  std::vector<double> camera_times_s;            ///< empty if the cameras have no timestamps
+  std::uint32_t missing_cameras = 0;             ///< bit mask of cameras without an image
+  std::vector<std::string> camera_problems;      ///< problems of the cameras
+  std::vector<std::vector<std::uint8_t>> bytes;  ///< one per camera: BGR or mask bytes
 };
 
 class FrameReader {
  public:
-  /// Frames come in order, none is left out; where `paced`, not faster than the recording itself and not long
-  /// before they are wanted, else as fast as they are taken. `recording` must outlive this.
+  /// Reads frames in order, without skipping. If `paced`, not faster than the recording's rate; otherwise as
+  /// fast as they are taken. `recording` must outlive this.
   explicit FrameReader(Recording& recording, bool paced = true);
   ~FrameReader();
 
-  /// The next one will be taken soon: it is read now, or when it is due.
+  /// Requests the next set, which is read now or when it is due.
   void ask();
-  /// Exchanges `set` with the next one; false when there is none within `wait_s`. \throw what reading threw
+  /// Exchanges `set` with the next one; false if there is none within `wait_s`. Rethrows reading errors.
   bool take(FrameSet& set, double wait_s);
   /// Whether all frames have been taken.
   bool atEnd() const;
-  /// From the first frame on.
+  /// Restarts at the first frame.
   void restart();
   void pause(bool paused);
 
@@ -56,11 +55,11 @@ class FrameReader {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   bool stop_ = false, paused_ = false, restart_ = false, full_ = false;
-  int next_ = 0;  ///< frame to be read
+  int next_ = 0;  ///< next frame to read
   bool ended_ = false;
-  bool asked_ = false;  ///< for the next one
+  bool asked_ = false;  ///< the next set is requested
   Clock::time_point last_captured_{};
-  FrameSet slot_;  ///< read, not taken yet: when full_
+  FrameSet slot_;  ///< valid if full_: read, not yet taken
   std::exception_ptr fault_;
   std::thread thread_;
 };

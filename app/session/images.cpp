@@ -8,7 +8,8 @@
 namespace airclay {
 namespace {
 
-// Of four samples a pixel, on a software device: a window's images find room between.
+// Limits a submission at four samples per pixel on a software device, so that the window's images can run
+// between.
 constexpr std::uint32_t kTrianglesAPiece = 10'000;
 
 }  // namespace

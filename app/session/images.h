@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Images for the eyes: the one place where the commands meet the renderer.
+// Rendered images: the only place where commands use the renderer.
 #pragma once
 
 #include <filesystem>
@@ -30,7 +30,7 @@ class OffscreenRenderer {
   Recorder recorder_;
 };
 
-/// A hand's skin on the device, and for a built-in hand the forearm that goes on behind it.
+/// A hand's skin on the device, with the forearm of a built-in hand.
 class DrawnHand {
  public:
   DrawnHand(Gpu& gpu, const HandModel& hand, const std::optional<TriangleMesh>& forearm);
@@ -43,17 +43,17 @@ class DrawnHand {
   std::optional<DrawnMesh> forearm_;
 };
 
-/// What a sculpting looks like: its clay on a ground, the hand where it was found.
+/// Renders the clay on a ground, with the tracked hand.
 class SculptRenderer {
  public:
   static constexpr ImageSize kSize = {960, 540};
 
-  /// `pipeline` must outlive this, and was made with `clay`.
+  /// `pipeline` must outlive this and contain `clay`.
   SculptRenderer(Gpu& gpu, const Pipeline& pipeline, const ClayState& clay,
                  const std::optional<TriangleMesh>& forearm);
-  /// The clay as it is now, the hand where there is one.
+  /// The current clay, and the hand if it is tracked.
   RgbaImage frame(const std::optional<Pose>& world_from_hand);
-  /// The rig around it: cameras, cube, voxels, cage and data points too.
+  /// Also shows cameras, workspace, voxels, cage and data points.
   RgbaImage workings(const std::optional<Pose>& world_from_hand);
 
  private:
@@ -64,7 +64,7 @@ class SculptRenderer {
   DrawnHand hand_;
   Gpu& gpu_;
   SubdivisionRule rule_;
-  std::unique_ptr<DisplaySurface> surface_;  ///< of the form that the clay had in the last image
+  std::unique_ptr<DisplaySurface> surface_;  ///< for the clay structure of the last image
   std::size_t control_points_ = 0;
   int levels_ = 0;
   double ground_z_m_ = 0;  ///< workspace frame: the clay's lowest point at the start

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kLookUpS = 0.1;
 
-struct Left {};  // thrown: nobody waits for the rig any more
+struct Left {};  // thrown to cancel the calibration
 
 std::vector<std::pair<std::string, ImageSize>> sizesOf(const LiveCameras& cameras) {
   std::vector<std::pair<std::string, ImageSize>> sizes;
@@ -19,7 +19,7 @@ std::vector<std::pair<std::string, ImageSize>> sizesOf(const LiveCameras& camera
 
 }  // namespace
 
-/// Tells how far the rig is.
+/// Reports the calibration's progress.
 class LiveCalibration::Working : public Task {
  public:
   explicit Working(LiveCalibration& live) : live_(live) { show(true, 0); }
@@ -63,7 +63,7 @@ void LiveCalibration::run() {
     if (set) collector_.add(*set);
     processCommands();
     publish(set ? std::make_shared<LiveSet>(std::move(*set)) : nullptr);
-    // files that are over give no set, and don't wait
+    // ended files give no set and do not wait
     if (!set && cameras_.ended()) std::this_thread::sleep_for(std::chrono::duration<double>(kLookUpS));
   }
 }
@@ -97,7 +97,7 @@ void LiveCalibration::makeRig() {
     fault = error.what();
   }
   const std::lock_guard lock(mutex_);
-  if (fault.empty()) state_.result = std::move(result);  // else the rig of before still stands in its file
+  if (fault.empty()) state_.result = std::move(result);  // on failure, the previous rig stays in its file
   state_.fault = std::move(fault);
 }
 

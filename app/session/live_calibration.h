@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Calibrating with cameras that run: a thread collects views of the board, and makes a rig of them when told
-// to. A window (studio/calibration_window.h) or a terminal looks on.
+// Calibration with live cameras: a thread collects views of the board and computes a rig on request. A window
+// (studio/calibration_window.h) or a terminal shows its state.
 #pragma once
 
 #include <atomic>
@@ -15,20 +15,20 @@ namespace airclay {
 
 class LiveCalibration {
  public:
-  /// Makes a rig of the views, keeps it, and says in a few lines what came of it. `world`: the set in which
-  /// the board lay where the world is to be. \throw Error
+  /// Computes a rig from the views, writes it, and returns lines that describe the result. `world`: the set
+  /// whose board defines the world. \throw Error
   using Finish = std::function<std::vector<std::string>(const std::vector<CameraViews>& views,
                                                         std::optional<int> world)>;
   struct Options {
     Board board;
     BoardCollector::Options collector;
     Finish finish;
-    std::function<void()> wake;  ///< called from the thread when something has changed; may be empty
+    std::function<void()> wake;  ///< called on the thread when the state changes; may be empty
   };
 
   /// `cameras` must outlive it.
   LiveCalibration(LiveCameras& cameras, const Options& options);
-  /// Leaves the work under way.
+  /// Cancels the running calibration.
   ~LiveCalibration();
   LiveCalibration(const LiveCalibration&) = delete;
   LiveCalibration& operator=(const LiveCalibration&) = delete;
@@ -38,24 +38,25 @@ class LiveCalibration {
     std::shared_ptr<const LiveSet> set;  ///< the last one
     std::vector<CollectedCamera> cameras;
     std::vector<CameraStatus> status;
-    double share = 0;  ///< 0 to 1: of what a calibration wants
+    double share = 0;  ///< 0 to 1: fraction of the required views
     bool enough = false;
     std::string advice;  ///< what to do next
     int kept_sets = 0;
-    std::optional<int> world;  ///< the set in which the board lies where the world is to be
-    bool ended = false;        ///< the cameras were files, and these are over
-    bool working = false;      ///< the rig is being made
+    std::optional<int> world;  ///< the set whose board defines the world
+    bool ended = false;        ///< the cameras were files, which have ended
+    bool working = false;      ///< a calibration is running
     double work_share = 0;
-    std::vector<std::string> result;  ///< what came of the last rig that was made; empty: none yet
-    std::string fault;                ///< why nothing came of the last attempt
+    std::vector<std::string> result;  ///< describes the last rig; empty: none yet
+    std::string fault;                ///< why the last attempt failed
   };
   State state() const;
 
-  /// Makes the rig of what there is; its result or fault follows. Collecting goes on afterwards.
+  /// Starts the calibration with the views so far; its result or error follows in state(). Collecting then
+  /// continues.
   void finish() { finish_requested_ = true; }
-  /// The board lies where the world is to be.
+  /// Takes the current board as the world.
   void takeWorld() { world_requested_ = true; }
-  /// All views are forgotten.
+  /// Discards all views.
   void restart() { restart_requested_ = true; }
 
  private:

@@ -10,18 +10,18 @@
 namespace airclay {
 namespace {
 
-// Half of what the tracker still believes: there the pose may be off by a centimetre.
+// Half of the tracker's own limit: above it, the pose may be off by a centimetre.
 constexpr double kDoubtfulShare = 0.35, kDoubtfulMetres = 0.0012;
 constexpr double kMouseFrameS = 1.0 / 30;
-/// Where it is the CPU that draws, small images need not be newer; the interface around them is not either.
+/// On a CPU device, thumbnails need not update faster than the interface.
 constexpr auto kThumbnailsStay = std::chrono::milliseconds(90);
-/// As many data points are enough to say where the clay is.
+/// Enough data points to locate the clay.
 constexpr std::size_t kClayPoints = 2000;
-/// A window that draws nothing for so long is minimised, or busy with something else.
+/// A window that draws nothing for this long is minimised or busy.
 constexpr auto kRenderWait = std::chrono::milliseconds(50);
-// 5 cm/s: slower, the filter's lag is of no distance.
+// 5 cm/s: below it, the filter's lag is negligible.
 constexpr double kMovingMetresS = 0.05;
-/// Cameras that give no set for so long have fallen silent.
+/// Without a set for this long, the cameras count as silent.
 constexpr auto kSilence = std::chrono::milliseconds(700);
 // Ten sets of four VGA cameras are 37 MB.
 constexpr std::size_t kKeptLearnedBytes = std::size_t(128) << 20;
@@ -35,7 +35,7 @@ TrackingState trustIn(const FrameResult& result) {
     case HandState::kTracked:
       break;
   }
-  // a pose just found by a search has no motion yet that would confirm it
+  // a pose from a search has no motion to confirm it yet
   const bool doubtful =
       result.searched || result.fit.outside_m > kDoubtfulMetres ||
       (result.fit.outside_fraction > kDoubtfulShare && result.fit.outside_m > kDoubtfulMetres / 2);
@@ -160,8 +160,8 @@ void Session::run() {
   });
 }
 
-/// Faults of a file or a command are said, and the work goes on; those of the device end it. Without a window
-/// there is nobody who would see to them: each ends it.
+/// Reports errors of a file or a command and continues; errors of the device end the session. Without a
+/// window, every error ends it.
 void Session::guarded(const std::function<void()>& work) {
   try {
     work();
@@ -175,7 +175,7 @@ void Session::guarded(const std::function<void()>& work) {
     note(error.what());
     if (options_.headless && !fault_) fault_ = std::current_exception();
     stop_ = failed_ = true;
-  } catch (...) {  // the process is to end: whoever waits for it knows
+  } catch (...) {  // the thread that waits rethrows it
     if (!fault_) fault_ = std::current_exception();
     stop_ = true;
   }
@@ -226,7 +226,7 @@ bool Session::frameFromRecording() {
     return false;
   }
 
-  if (still_to_learn_ > 0 && set_.missing_cameras != 0) {  // it would teach a camera another instant
+  if (still_to_learn_ > 0 && set_.missing_cameras != 0) {  // a camera would learn from another instant
     reader_->ask();
     return true;
   }
@@ -261,7 +261,7 @@ bool Session::frameFromRecording() {
     else
       next.result = pipeline_.trackImages(done.missing_cameras);
   }
-  reader_->ask();  // what is left of this frame keeps one core busy
+  reader_->ask();  // the rest of this frame uses only one core
   if (!next.learning) {
     next.trust = trustIn(next.result);
     if (!replayed) done.held = !gripIsBarred(next) && done.held;
@@ -284,7 +284,7 @@ bool Session::frameFromRecording() {
   return true;
 }
 
-/// Cameras give nothing: that is said, and why.
+/// Reports that the cameras give no images, and why.
 void Session::showSilence() {
   const auto now = Clock::now();
   if (!frame_times_.empty() && now - frame_times_.back() < kSilence) return;
@@ -302,12 +302,12 @@ void Session::showSilence() {
   if (options_.wake) options_.wake();
 }
 
-/// The set shows the empty workspace. False when it was known already: the take is played again.
+/// Learns the background from the set. False if it is known already, because the take restarted.
 bool Session::learn() {
   if (!options_.replay && set_.frame < learned_frames_) return false;
   pipeline_.learnBackground();
   ++learned_frames_;
-  if (options_.headless) return true;  // a recording begins at the start there, or not at all
+  if (options_.headless) return true;  // headless recordings start at the first frame
   learned_bytes_ += bytesOf(set_);
   if (learned_bytes_ <= kKeptLearnedBytes)
     learned_.push_back(set_);
@@ -389,7 +389,7 @@ bool Session::gripIsBarred(const Snapshot& next) {
   return grip_ == Grip::kBarred;
 }
 
-/// What is wanted of a frame, as the window says it now.
+/// The window's current settings for a frame.
 ReplayFrame Session::currentInputs(double time_s, double step_s) const {
   const std::lock_guard lock(mutex_);
   ReplayFrame done;
@@ -430,7 +430,7 @@ void Session::sculpt(Snapshot& next, const ReplayFrame& done) {
   follow(next, done);
 }
 
-/// Strokes become entries of the document's history.
+/// Commits strokes to the document's history.
 void Session::follow(const Snapshot& next, const ReplayFrame& done) {
   StrokeFrame frame;
   frame.time_s = next.time_s;
@@ -446,14 +446,14 @@ void Session::endStroke() {
   refreshDocumentView();
 }
 
-/// Lets the window draw what the frame has done before the next one takes the device.
+/// Lets the window draw this frame before the next one uses the device.
 void Session::waitForRender(std::uint64_t serial) {
   if (options_.headless) return;
   std::unique_lock lock(mutex_);
   render_submitted_.wait_for(lock, kRenderWait, [&] { return submitted_serial_ >= serial || stop_; });
 }
 
-/// What the window is told of the clay. `moved`: it may have since the last time.
+/// Updates the snapshot's clay. `moved`: it may have moved since the last call.
 void Session::updateClayView(Snapshot& next, bool moved) {
   if (options_.headless) return;
   if (moved) {
@@ -529,7 +529,7 @@ void Session::drawThumbnails(const FrameSet& set) {
     for (std::size_t c = 0; c < set.bytes.size(); ++c) drawThumbnail(places[c], c, set.bytes[c]);
 }
 
-/// Every few pixels one: enough to see what a camera sees. What belongs to the hand is warm.
+/// Samples every few pixels. The hand's silhouette is tinted.
 void Session::drawThumbnail(const Thumbnail& to, std::size_t c, const std::vector<std::uint8_t>& bytes) {
   const bool masks_only = options_.recording->hasSilhouettes();
   const std::span<const std::uint32_t> masks = pipeline_.silhouettes().masks().host();

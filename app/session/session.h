@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What goes on behind the window: frames are tracked and clay is sculpted on a thread of its own, every
-// stroke goes into the document.
+// Tracks frames and sculpts the clay on its own thread; commits every stroke to the document.
 //
-// The window's thread looks at snapshots, draws the clay from the buffers that it lies in, and posts
-// commands.
+// The window's thread reads snapshots, draws the clay from its device buffers, and posts commands.
 #pragma once
 
 #include <atomic>
@@ -22,18 +20,18 @@
 
 namespace airclay {
 
-/// How well the hand is known.
+/// How certain the hand's pose is.
 enum class TrackingState {
-  kNoHand,  ///< nobody there
+  kNoHand,  ///< no hand in view
   kTracking,
-  kUncertain,  ///< a pose, but a doubtful one: the clay does not move
+  kUncertain,  ///< the pose is doubtful: sculpting pauses
   kLost,
 };
 
-/// When the clay is held still.
+/// When the hand sculpts.
 enum class Clutch {
-  kContact,  ///< never: touching is sculpting
-  kHold,     ///< but for while a key or pedal is down
+  kContact,  ///< whenever it touches the clay
+  kHold,     ///< only while a key or pedal is down
 };
 
 /// The hand that mouse and keys move.
@@ -53,48 +51,48 @@ struct SessionSettings {
   bool held() const { return clutch == Clutch::kContact || clutch_down; }
 };
 
-/// The state of things after a frame, as the window shows it.
+/// The state after a frame, for the window.
 struct Snapshot {
   std::uint64_t serial = 0;        ///< of the frame; 0: none yet
-  int frame = 0, frame_count = 0;  ///< of cameras that run there is no count: 0
+  int frame = 0, frame_count = 0;  ///< 0: unknown, with live cameras
   double time_s = 0;
-  bool learning = false;  ///< the empty workspace
-  bool ended = false;     ///< of the take
-  bool silent = false;    ///< cameras that run give no images
+  bool learning = false;  ///< learning the background
+  bool ended = false;     ///< the take has ended
+  bool silent = false;    ///< live cameras give no images
   TrackingState trust = TrackingState::kNoHand;
-  std::optional<Pose> world_from_hand;  ///< as it sculpts
+  std::optional<Pose> world_from_hand;  ///< the pose that sculpts
   FrameResult result;
   StageTimes stage_ms;  ///< of the last frames that were timed
   double decode_ms = 0;
-  std::optional<double> filter_lag_ms;       ///< the filter's lag; of a hand at rest it means nothing
-  std::optional<double> skew_s;              ///< the cameras'; none where they have no times of their own
-  std::vector<std::string> camera_problems;  ///< what is wrong with the cameras
+  std::optional<double> filter_lag_ms;       ///< the filter's lag; meaningless for a hand at rest
+  std::optional<double> skew_s;              ///< between the cameras; nullopt without timestamps
+  std::vector<std::string> camera_problems;  ///< problems of the cameras
   Clock::time_point captured_at;
-  double rate_hz = 0;             ///< frames that went through in the last second
-  std::uint64_t clay_serial = 0;  ///< another one when the clay may have moved
-  std::vector<vec3> clay_points;  ///< some of its data points, spread evenly; workspace frame
+  double rate_hz = 0;             ///< frames processed in the last second
+  std::uint64_t clay_serial = 0;  ///< changes when the clay may have moved
+  std::vector<vec3> clay_points;  ///< a uniform sample of its data points; workspace frame
   bool sculpting = false;         ///< a stroke is under way
   bool grip_barred = false;       ///< the clutch must be pressed anew: the hand was lost while it pulled
-  /// A turn: on the device the clay lies in its own frame.
+  /// On the device, the clay is in its own frame.
   Pose workspace_from_clay = Pose::Identity();
 };
 
-/// Work that takes long, for a bar.
+/// A long task, for a progress bar.
 struct TaskStatus {
-  std::string what;  ///< "refining"; empty: there is none
-  double share = 0;  ///< of the step under way
+  std::string what;  ///< "refining"; empty: no task
+  double share = 0;  ///< fraction of the current step
   Clock::time_point since;
 };
 
-/// What was recorded, to be done again.
+/// A recording to replay.
 struct Replay {
   std::filesystem::path folder;
   Actions actions;
 };
 
-/// What the document is like, for menus.
+/// The document's properties, for menus.
 struct DocumentView {
-  std::filesystem::path file;  ///< empty: kept as an unsaved one
+  std::filesystem::path file;  ///< empty: an unsaved document
   std::optional<std::string> undo, redo;
   int undo_count = 0, redo_count = 0;
   int levels = 0, control_points = 0, data_points = 0;
@@ -105,33 +103,32 @@ struct DocumentView {
 class Session {
  public:
   struct Options {
-    Recording* recording = nullptr;  ///< none: the mouse's hand; must outlive the session
+    Recording* recording = nullptr;  ///< null: the mouse hand; must outlive the session
     Rig rig;
     HandModel hand;
     int voxels = 128;
-    std::string hand_name = "right";  ///< or left, or its file: what a recording notes
-    std::filesystem::path record;     ///< a new folder: everything is recorded from the first frame on
+    std::string hand_name = "right";  ///< or left, or its file; stored in recordings
+    std::filesystem::path record;     ///< new folder to record to, from the first frame on
     SessionSettings settings;         ///< until set() is called
-    const Replay* replay = nullptr;   ///< `recording` is its take's; none of the mouse's hand
-    bool headless = false;  ///< as fast as it goes; ends with the recording, and with the first fault
-    /// Called after every frame of the recording, on the session's own thread, and once at its end, without a
-    /// frame.
+    const Replay* replay = nullptr;   ///< `recording` plays its take; null with the mouse hand
+    bool headless = false;            ///< run without pacing; stop at the recording's end or the first error
+    /// Called on the session's thread after every frame, and once at the end without a frame.
     std::function<void(const Pipeline&, const PlayedFrame*)> on_frame;
     std::function<void()> wake;  ///< called from the session's thread when there is a new snapshot
   };
 
   /// `document` holds the clay.
   Session(Gpu& gpu, const Options& options, Document document);
-  /// Ends the stroke under way, so that it is kept.
+  /// Ends and commits the current stroke.
   ~Session();
 
   // --- the window's thread ---
   Snapshot snapshot() const;
-  /// The image of this snapshot is on its way, or there is none to come: the next frame may begin. Until
-  /// then the recording's next one waits a little: on one queue, it would be done before the image.
+  /// Reports that the image of this snapshot is submitted or skipped, so that the next frame may start.
+  /// Otherwise the next frame, on the same queue, would run before the image.
   void renderSubmitted(std::uint64_t serial);
   DocumentView documentView() const;
-  /// Lines to be shown once: what a command did, or why it could not.
+  /// Messages to show once: what a command did, or why it failed.
   std::vector<std::string> takeMessages();
   void set(const SessionSettings& settings);
   void setMouseHand(const MouseHand& hand);
@@ -141,20 +138,20 @@ class Session {
   bool replaying() const { return options_.replay != nullptr; }
   RecorderView recorderView() const;
   TaskStatus taskStatus() const;
-  /// Ends the work under way, if it is some that can be; everything is as before.
+  /// Cancels the current task, if it can be cancelled, without any change.
   void cancelTask() { cancel_task_ = true; }
-  /// \pre headless: waits for the end. \throw what ended it
+  /// Waits for the end. \pre headless. Rethrows the error that ended it.
   void finish();
 
-  /// Everything from here on goes into a new folder: sets, deeds, the clay. The hand is looked for anew, as
-  /// it will be when that is played.
+  /// Records sets, actions and the clay to a new folder from now on. Tracking restarts, as it will in the
+  /// replay.
   void startRecording(const std::filesystem::path& folder);
   void stopRecording();
   void undo();
   void redo();
   void refineClay();
   void setSurface(int levels, SubdivisionRule rule, const SolveMethod* solve);
-  /// Turns the clay about an axis through the workspace's centre; `name` is the entry's once it is done.
+  /// Rotates the clay about an axis through the workspace's center; the last call commits it.
   void turn(const Vec3& axis, double angle_rad, bool last);
   void exportMesh(const std::filesystem::path& file, bool surface);
   void importCage(const std::filesystem::path& file);
@@ -162,20 +159,20 @@ class Session {
   void openDocument(const std::filesystem::path& file);
   void replaceClay(const ClayState& state, const std::string& name);
   void restartTake();
-  /// Of cameras that run: the next sets show the empty workspace, which has changed.
+  /// With live cameras, learns the background again from the next sets.
   void relearnBackground();
   void pauseTake(bool paused);
 
-  /// The clay as it lies on the device, and its form; `look` must submit all that it records before it
-  /// returns.
+  /// Calls `look` with the clay on the device and its structure; `look` must submit everything that it
+  /// records.
   struct ClayOnDevice {
     const Clay& clay;
-    const ClayState& structure;  ///< its cage's points are those of long ago
+    const ClayState& structure;  ///< only the topology: its points are outdated
     std::uint64_t structure_serial;
   };
   void withClay(const std::function<void(const ClayOnDevice&)>& look) const;
-  /// Small images of the cameras, silhouettes tinted: B G R A, in two sizes of which two small ones stand
-  /// beside each other where a large one would.
+  /// Thumbnails of the cameras, silhouettes tinted: B G R A, in two sizes; two small ones are as wide as a
+  /// large one.
   const Buffer<std::uint32_t>& thumbnails() const { return thumbnails_; }
   struct Thumbnail {
     std::size_t first = 0;      ///< of thumbnails()
@@ -192,7 +189,7 @@ class Session {
  private:
   void run();
   class Working;
-  struct Cancelled {};  ///< thrown: the person gave up on work under way
+  struct Cancelled {};  ///< thrown when the user cancels a task
   void post(std::function<void()> command);
   void act(const Action& action, const std::string& what = "");
   void perform(const Action& action);
@@ -241,7 +238,7 @@ class Session {
   Options options_;
   Pipeline pipeline_;
   Document document_;
-  ClayState clay_structure_;  ///< of the pipeline's clay
+  ClayState clay_structure_;  ///< structure of the pipeline's clay
   std::uint64_t structure_serial_ = 1;
   std::optional<FrameReader> reader_;
   FrameSet set_;
@@ -258,8 +255,8 @@ class Session {
   enum class Grip { kFree, kSeen, kBarred };
   Grip grip_ = Grip::kFree;
   int learned_frames_ = 0;
-  int still_to_learn_ = 0;         ///< of cameras that run: so many sets more show the empty workspace
-  std::vector<FrameSet> learned_;  ///< kept for a recording that begins later; up to kKeptLearnedBytes
+  int still_to_learn_ = 0;         ///< number of further sets to learn the background from
+  std::vector<FrameSet> learned_;  ///< stored for a recording that starts later; up to kKeptLearnedBytes
   std::size_t learned_bytes_ = 0;
   std::optional<SessionRecorder> recorder_;
   std::size_t replayed_mouse_frames_ = 0;
@@ -268,10 +265,10 @@ class Session {
   std::vector<vec3> clay_points_;
   Pose workspace_from_clay_ = Pose::Identity();
 
-  mutable std::shared_mutex structure_;  ///< the clay's buffers stay while it is held
-  mutable std::mutex mutex_;             ///< of what follows
+  mutable std::shared_mutex structure_;  ///< locked while the clay's buffers are used
+  mutable std::mutex mutex_;             ///< guards the members below
   std::condition_variable render_submitted_;
-  std::uint64_t submitted_serial_ = 0;  ///< of the last image
+  std::uint64_t submitted_serial_ = 0;  ///< of the last submitted image
   Snapshot snapshot_;
   DocumentView document_view_;
   std::vector<std::string> notes_;

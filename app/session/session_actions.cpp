@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a person does to a session: edits, files, recordings, and all that once more when it is replayed.
+// The user's actions on a session: edits, files, recordings, and their replay.
 #include <unistd.h>
 
 #include "app/session/session.h"
@@ -13,7 +13,7 @@
 namespace airclay {
 namespace {
 
-/// A document's clay. The file itself is left alone: it may stand where nothing may be written.
+/// A document's clay. Does not modify the file, which may be read-only.
 ClayState stateIn(const std::filesystem::path& file) {
   const std::filesystem::path copy =
       std::filesystem::temp_directory_path() / ("airclay-" + std::to_string(::getpid()) + ".clay");
@@ -23,7 +23,7 @@ ClayState stateIn(const std::filesystem::path& file) {
   return state;
 }
 
-/// Whether the same buffers hold both.
+/// Whether both fit the same buffers.
 bool sameStructure(const ClayState& a, const ClayState& b) {
   return a.rule == b.rule && a.levels == b.levels && a.solve == b.solve && a.cage.faces == b.cage.faces &&
          a.cage.points.size() == b.cage.points.size();
@@ -31,7 +31,7 @@ bool sameStructure(const ClayState& a, const ClayState& b) {
 
 }  // namespace
 
-/// Shows the work on this thread, and ends it when it is cancelled.
+/// Reports the task's progress to the window, and cancels it.
 class Session::Working : public Task {
  public:
   Working(Session& session, const std::string& what) : session_(session) {
@@ -53,7 +53,7 @@ class Session::Working : public Task {
   Session& session_;
 };
 
-/// Something that a recording notes and a replay does again. `what` names work that takes long.
+/// Runs an action that a recording logs and a replay repeats. `what` names a long task.
 void Session::act(const Action& action, const std::string& what) {
   post([this, action, what] {
     refuseWhileReplaying();
@@ -157,7 +157,7 @@ void Session::perform(const Action& action) {
   if (action.kind != Action::Kind::kTurn || !turning_) endStroke();
   switch (action.kind) {
     case Action::Kind::kEndStroke:
-      return;  // that was it
+      return;  // done
     case Action::Kind::kUndo: {
       if (!document_.canUndo()) return note("nothing to undo");
       const std::string name = *document_.canUndo();
@@ -240,14 +240,14 @@ void Session::replaceDocumentWith(Document opened) {
   if (recorder_) recorder_->document(document_);
 }
 
-/// One edit: cancelled or refused while its clay is made, it has changed nothing.
+/// One edit. If computing its clay fails or is cancelled, nothing changes.
 void Session::commit(const std::string& name, const ClayState& state) {
   std::unique_ptr<Pipeline::PreparedClay> clay = made(state);
   document_.commit(name, state);
   show(document_.state(), std::move(clay));
 }
 
-/// The clay of another form on the device; none when the same buffers hold it.
+/// The clay with another structure on the device; null if the same buffers hold it.
 std::unique_ptr<Pipeline::PreparedClay> Session::made(const ClayState& state) {
   return sameStructure(state, clay_structure_) ? nullptr : pipeline_.prepareClay(state);
 }
@@ -259,7 +259,7 @@ void Session::show(const ClayState& state) {
 void Session::show(const ClayState& state, std::unique_ptr<Pipeline::PreparedClay> clay) {
   if (!clay) return pipeline_.clay().setControlPoints(state.cage.points, state.workspace_from_clay);
   const std::unique_lock lock(structure_);
-  gpu_.waitIdle();  // the window's images of the old clay
+  gpu_.waitIdle();  // the window may still draw the old clay
   pipeline_.setClay(std::move(clay));
   clay_structure_ = state;
   ++structure_serial_;
@@ -280,7 +280,7 @@ void Session::beginRecording(const std::filesystem::path& folder) {
   const ActionsHeader head{learns ? source->backgroundFrames() : 0, options_.voxels, options_.hand_name,
                            !source};
   recorder_.emplace(SessionRecorder::Start{folder, source, options_.rig, head, learned_}, document_);
-  // From here on as it will be when this is played: nothing is known of the hand, and the clay is the file's.
+  // Start as the replay will: without a hand pose, and with the clay from the file.
   resetTracking();
   pipeline_.clay().setControlPoints(document_.state().cage.points, document_.state().workspace_from_clay);
   note("recording into " + folder.string());
@@ -318,7 +318,7 @@ void Session::recordFrame(const ReplayFrame& done, const FrameSet* set) {
   try {
     recorder_->frame(done, set);
   } catch (const Error&) {
-    recorder_.reset();  // what is there stays, as it is after a power cut
+    recorder_.reset();  // keeps what is written so far, as after a power failure
     showRecorder();
     throw;
   }
@@ -330,7 +330,7 @@ void Session::refuseWhileReplaying() const {
     throw Error("the recording is doing this by itself; wait for its end");
 }
 
-/// What was done of this frame; before it, what was done since the last. None without a replay.
+/// The recorded step of this frame, after running the actions since the last frame. Null without a replay.
 const ReplayFrame* Session::replayedFrame(int frame) {
   if (!options_.replay) return nullptr;
   const Actions::Step& step = options_.replay->actions.steps.at(std::size_t(frame));
@@ -343,7 +343,7 @@ void Session::replayAction(const Action& action) {
   if (action.kind == Action::Kind::kClay) {
     replaceClayWith(stateIn(file), action.name);
   } else if (action.kind == Action::Kind::kDocument) {
-    // A copy beside the document at hand: the recording itself stays as it is.
+    // A copy next to the current document: the recording itself is not modified.
     const std::filesystem::path copy =
         document_.file().parent_path() / (document_.file().stem().string() + "-" + action.file);
     std::filesystem::copy_file(file, copy, std::filesystem::copy_options::overwrite_existing);

@@ -13,7 +13,7 @@ TakeWriter::Options optionsOf(const SessionRecorder::Start& start) {
       .content = start.source->hasSilhouettes() ? TakeWriter::Content::kMasks : TakeWriter::Content::kImages};
 }
 
-/// Images of the empty workspace, where the source has them.
+/// Images of the empty workspace, if the source has them.
 std::vector<std::vector<std::uint8_t>> backgroundOf(const Recording& source) {
   std::vector<std::vector<std::uint8_t>> images;
   for (const Camera& camera : source.rig().cameras)

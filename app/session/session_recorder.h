@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Records what a session does: a take with the sets that were used, the clay at the start, and what the
-// person did (app/session/actions.h). Played again it makes the same clay, bit for bit on one device.
+// Records a session: a take with the sets that were used, the initial clay, and the user's actions
+// (app/session/actions.h). Its replay gives the same clay, bit for bit on one device.
 #pragma once
 
 #include <fstream>
@@ -12,35 +12,35 @@
 
 namespace airclay {
 
-/// How a recording goes, for the status.
+/// Status of a recording.
 struct RecorderView {
   bool recording = false;
   std::filesystem::path folder;
   int frames = 0;
-  double waited_s = 0;  ///< what the work has waited for a slow disk
+  double waited_s = 0;  ///< total wait for a slow disk
 };
 
 class SessionRecorder {
  public:
   struct Start {
-    std::filesystem::path folder;  ///< a new or empty one
-    Recording* source = nullptr;   ///< none: the mouse's hand
+    std::filesystem::path folder;  ///< new or empty
+    Recording* source = nullptr;   ///< null: the mouse hand
     const Rig& rig;
-    ActionsHeader head;                    ///< `hand` right, left, or a file to be copied
-    const std::vector<FrameSet>& learned;  ///< the sets that taught the empty workspace so far
+    ActionsHeader head;                    ///< `hand`: right, left, or a file to copy
+    const std::vector<FrameSet>& learned;  ///< the sets that the background was learned from
   };
-  /// `document` is where the recording begins; its history goes along, as undo may reach back.
-  /// \throw Error when the folder cannot be made or is not empty.
+  /// `document` is the initial state; its history is copied, because undo may reach into it. \throw Error if
+  /// the folder cannot be created or is not empty.
   SessionRecorder(const Start& start, const Document& document);
 
   void action(const Action& action);
-  /// The deed that brings a clay from elsewhere: `state` goes along.
+  /// Logs the action that replaces the clay, with `state`.
   void clay(const ClayState& state, const std::string& name);
   void document(const Document& opened);
-  /// A frame as it was worked on, and its set, where there are cameras. Waits for a disk that is slower than
-  /// the cameras. \throw Error when the disk is full
+  /// Logs a processed frame, with its set if there are cameras. Waits if the disk is slower than the cameras.
+  /// \throw Error if the disk is full
   void frame(const ReplayFrame& frame, const FrameSet* set);
-  /// Ends it as it should. \throw Error when something could not be written
+  /// Completes the recording. \throw Error if writing failed
   void end();
 
   RecorderView view() const;

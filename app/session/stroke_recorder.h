@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Strokes as they are sculpted, kept in a document.
+// Commits strokes to a document.
 #pragma once
 
 #include "engine/clay/document.h"
@@ -9,18 +9,18 @@ namespace airclay {
 
 class Clay;
 
-/// What the document would hold if `clay` were committed: its control points in the document's form.
+/// The document's state with the control points of `clay`.
 ClayState stateOf(const Document& document, const Clay& clay);
 
-/// Commits every stroke when it has ended.
+/// Commits every stroke when it ends.
 class StrokeRecorder {
  public:
-  /// `document` must outlive this; another may be moved into it between strokes.
+  /// `document` must outlive this; it may be assigned between strokes.
   explicit StrokeRecorder(Document& document) : document_(document) {}
 
-  /// The next frame, sculpted. True when a stroke went into the document.
+  /// Takes the next sculpted frame. True if a stroke was committed.
   bool see(const StrokeFrame& frame, const std::string& tool, const Clay& clay);
-  /// The stroke under way ends here.
+  /// Ends the current stroke.
   bool finish(const Clay& clay);
   bool active() const { return watch_.active(); }
 

@@ -12,15 +12,15 @@ class App;
 
 namespace airclay {
 
-/// What --units says: m, mm, or nothing.
+/// Parses the value of --units: m, mm or empty.
 RigUnits parseUnits(const std::string& text);
 
-/// What the commands that read a take ask of it.
+/// Options of a take to read.
 struct TakeInputOptions {
   std::string folder, units;
   int background_frames = 10;
 
-  /// Opens the take; what is unusual about it is warned of. One of our own recordings may have been cut off.
+  /// Opens the take and prints its note as a warning. A recording of a session may be incomplete.
   Take open(const TakeOptions& options = {}) const;
 };
 

@@ -38,7 +38,7 @@ void Tracking::add(const PlayedFrame& frame, const Recording* recording) {
   const FrameResult& result = frame.result;
   if (frame.background || result.hand == HandState::kEmpty) {
     ++empty_;
-    return;  // its times would only flatter
+    return;  // its times would distort the statistics
   }
   frame_ms_.push_back(result.frame_ms);
   for (const auto& [name, ms] : result.stage_ms) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a run over many frames comes to: counts, times, poses, and errors where the truth is known.
+// Summary of a run: counts, times, poses, and errors if the truth is known.
 #pragma once
 
 #include <map>
@@ -11,17 +11,17 @@
 
 namespace airclay {
 
-/// Collects frames; then says what they come to.
+/// Collects frames and summarizes them.
 class Tracking {
  public:
-  /// `recording`, where there is one, may know the frame's true pose.
+  /// `recording` may be null; it may know the frame's true pose.
   void add(const PlayedFrame& frame, const Recording* recording);
 
-  /// One a tracked frame.
+  /// One per tracked frame.
   const std::vector<TimedPose>& poses() const { return poses_; }
   int lost() const { return lost_; }
 
-  /// The contract's keys of `track`; with a known truth also `median_error_mm` and its like.
+  /// The keys that `track --json` documents; with a known truth also `median_error_mm` and similar.
   nlohmann::ordered_json json() const;
   /// Text for the terminal, one item per line.
   std::vector<std::string> summary() const;
@@ -31,7 +31,7 @@ class Tracking {
 
   int frames_ = 0, tracked_ = 0, lost_ = 0, empty_ = 0;
   std::vector<double> frame_ms_, decode_ms_, skew_ms_, errors_mm_, errors_deg_;
-  std::vector<std::pair<std::string, std::vector<double>>> stage_ms_;  ///< in the way of the data
+  std::vector<std::pair<std::string, std::vector<double>>> stage_ms_;  ///< in pipeline order
   std::vector<TimedPose> poses_;
 };
 

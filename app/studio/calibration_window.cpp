@@ -14,8 +14,8 @@
 namespace airclay {
 namespace {
 
-constexpr double kQuietS = 0.2;  // between images when no set comes
-// In letters' heights.
+constexpr double kQuietS = 0.2;  // between images without a new set
+// In units of the font size.
 constexpr float kPanelWidth = 22;
 constexpr ImU32 kVeil = IM_COL32(250, 248, 245, 105);
 
@@ -42,7 +42,7 @@ class CalibrationWindow {
   }
 
  private:
-  /// The window looks up when something has changed.
+  /// Wakes the window when the state changes.
   static LiveCalibration::Options waking(LiveCalibration::Options options) {
     options.wake = [] { glfwPostEmptyEvent(); };
     return options;
@@ -59,8 +59,8 @@ class CalibrationWindow {
     shown_.show();
   }
 
-  /// Over a camera's image: a veil where it has not seen the board, the corners that it sees, and below it
-  /// how far it is.
+  /// Draws over a camera's image: a veil over areas without board views, the detected corners, and a progress
+  /// bar below.
   void drawOver(std::size_t index) {
     const CollectedCamera& camera = state_.cameras[index];
     const ImagePlacement& place = shown_.places()[index];
@@ -170,7 +170,7 @@ class CalibrationWindow {
   }
 
   CameraWindow shown_;
-  LiveCalibration calibration_;  ///< after the window, which its thread wakes
+  LiveCalibration calibration_;  ///< declared after the window, which its thread wakes
   LiveCalibration::State state_;
 };
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The window in which cameras are calibrated: what each of them sees, where it has not seen the board yet,
-// and what to do next.
+// The calibration window: each camera's image, the parts of it without board views, and what to do next.
 #pragma once
 
 #include "app/session/live_calibration.h"
@@ -8,8 +7,7 @@
 
 namespace airclay {
 
-/// Calibrates until it is closed, as its keys and buttons want; `options.wake` is the window's.
-/// \return the last state
+/// Runs until it is closed; the window sets `options.wake`. \return the last state
 LiveCalibration::State showCalibration(Gpu& gpu, LiveCameras& cameras,
                                        const LiveCalibration::Options& options);
 

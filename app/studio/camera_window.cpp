@@ -11,7 +11,7 @@
 namespace airclay {
 namespace {
 
-// In letters' heights.
+// In units of the font size.
 constexpr float kGap = 0.9f, kLabelHeight = 3.4f, kMargin = 0.6f, kNameAt = 0.5f, kLineAt = 1.8f;
 constexpr double kSmallestScale = 0.05, kLargestScale = 2;
 constexpr std::uint32_t kMissing = 0xFFB8B2ACu;

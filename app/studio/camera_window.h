@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A window that shows the images of several cameras beside and below each other, as large as they fit, a
-// label below each. What stands over and beside them is its user's.
+// A window with the images of several cameras in a grid, each with a label below it. Callers draw overlays
+// and a side panel.
 #pragma once
 
 #include <string>
@@ -12,19 +12,19 @@
 
 namespace airclay {
 
-/// Where a camera's image lies in the window, pixels.
+/// A camera's image rectangle in the window, pixels.
 struct ImagePlacement {
   int left = 0, top = 0, width = 0, height = 0;
-  double scale = 1;  ///< window's pixels an image's
+  double scale = 1;  ///< window pixels per image pixel
 
   int right() const { return left + width; }
   int bottom() const { return top + height; }
 };
 
-/// What stands below an image: a name, a word at its right, and a line.
+/// The label below an image: a name, text at its right, and a second line.
 struct CameraLabel {
   std::string name, right, line;
-  std::uint32_t line_color = 0;  ///< as in look.h
+  std::uint32_t line_color = 0;  ///< as in theme.h
 };
 
 class CameraWindow {
@@ -33,15 +33,15 @@ class CameraWindow {
 
   Window& window() { return window_; }
 
-  /// Begins an image: ImGui calls may follow. False while there is nothing to draw on.
+  /// Begins an image; ImGui calls may follow. False while the window has no size.
   bool begin() { return window_.begin(false) == Window::Begun::kInterface; }
-  /// Places images of these sizes, but for `beside_px` at the window's right, in as many columns as let
-  /// them be largest, and draws them; grey where one is missing. \pre begin()
+  /// Draws images of these sizes as large as possible, leaving `beside_px` free at the window's right;
+  /// missing images are grey. \pre begin()
   void lay(const std::vector<ImageSize>& sizes, const std::vector<LiveImage>& images, double beside_px = 0);
   const std::vector<ImagePlacement>& places() const { return places_; }
   /// \pre lay()
   void drawLabel(std::size_t camera, const CameraLabel& label) const;
-  /// Shows what was begun, and waits for the device.
+  /// Shows the image and waits for the device.
   void show();
 
  private:
@@ -51,7 +51,7 @@ class CameraWindow {
   Gpu& gpu_;
   Window window_;
   Recorder recorder_;
-  Image paper_;  ///< what lies behind the images
+  Image paper_;  ///< background of the images
   std::vector<ImagePlacement> places_;
   Buffer<std::uint32_t> pixels_;
   std::vector<Inset> insets_;

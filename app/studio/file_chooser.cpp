@@ -11,7 +11,7 @@
 namespace airclay {
 namespace {
 
-constexpr std::size_t kMostListed = 5000;  // a folder with more is shown in part; a name can be typed
+constexpr std::size_t kMostListed = 5000;  // longer lists are truncated; a name can be typed
 
 }  // namespace
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Which file: a name typed, or picked from a folder's list.
+// File dialog: type a name or pick a file from a folder.
 #pragma once
 
 #include <filesystem>
@@ -13,8 +13,8 @@ class FileChooser {
  public:
   using Chosen = std::function<void(const std::filesystem::path&)>;
 
-  /// Opens it in `folder`. `extensions` are shown (".clay"); an unnamed ending becomes the first when
-  /// `to_write`.
+  /// Opens the dialog in `folder` and lists files with these `extensions` (".clay"). If `to_write`, a name
+  /// without an extension gets the first one.
   void open(const std::string& title, const std::filesystem::path& folder,
             std::vector<std::string> extensions, bool to_write, Chosen chosen);
   bool isOpen() const { return open_; }

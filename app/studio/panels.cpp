@@ -47,7 +47,7 @@ TrustLabel labelOf(TrackingState trust) {
   return {"No hand", theme::kFaint};
 }
 
-/// A button that stays down.
+/// A toggle button.
 bool toggle(const char* label, bool on, const ImVec2& size) {
   if (on) {
     ImGui::PushStyleColor(ImGuiCol_Button, colorOf(theme::kClay));
@@ -248,7 +248,7 @@ void Panels::drawRecorder(const ImVec2& size, PanelRequests& requests) {
     ImGui::TextColored(colorOf(theme::kDoubt), "Slow disk: waited %.1f s", recorder.waited_s);
 }
 
-/// Work that takes longer than a blink, on the session's own thread.
+/// Shows a task of the session's thread that takes a while.
 void Panels::drawTask() {
   const TaskStatus work = session_.taskStatus();
   if (work.what.empty() || millisecondsSince(work.since) < kWorkShownAfterMs) return;
@@ -346,13 +346,13 @@ void Panels::drawStages(const Snapshot& snapshot) {
                          2 * ImGui::GetStyle().WindowPadding.x);
   ImGui::TextDisabled("%s ms", text.c_str());
   ImGui::PopTextWrapPos();
-  // always three lines high, or what is below would jump with every digit
+  // constant height of three lines, so that the panels below do not move
   ImGui::SetCursorPosY(std::max(ImGui::GetCursorPosY(),
                                 top + 3 * ImGui::GetTextLineHeight() + ImGui::GetStyle().ItemSpacing.y));
 }
 
-/// The images themselves lie under the interface, so this panel has no ground of its own. Where there is no
-/// room for all, they are half as large, in two columns; of still more the wheel brings the others.
+/// The images are drawn under the interface, so this panel has no background. If not all fit, they are half
+/// as large, in two columns; beyond that, the list scrolls.
 void Panels::drawCameras(const Snapshot& snapshot, const Viewport& viewport) {
   const std::vector<Camera>& cameras = session_.rig().cameras;
   const ImVec2 window = ImGui::GetIO().DisplaySize;
@@ -377,7 +377,7 @@ void Panels::drawCameras(const Snapshot& snapshot, const Viewport& viewport) {
   }
 }
 
-/// The first row that is shown.
+/// The first visible row.
 std::size_t Panels::scrollCameras(std::size_t rows, std::size_t shown, const ImVec2& right_top, float room) {
   if (rows <= shown) return 0;
   constexpr auto width = static_cast<float>(Session::kThumbnailWidth);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The studio's panels: tools on the left, what is seen and how well on the right, the document above.
+// The studio's panels: tools on the left, tracking status and cameras on the right, the menu bar above.
 #pragma once
 
 #include <deque>
@@ -12,14 +12,14 @@ struct ImVec2;
 
 namespace airclay {
 
-/// Figures of the last seconds, for the graph and the log.
+/// Rates and latencies of the last seconds, for the graph and the log.
 class Meter {
  public:
-  /// An image was shown; `latency_ms` since its frame was captured, when it shows a new one.
+  /// Call it after showing an image; `latency_ms` since the capture of its frame, if the frame is new.
   void shown(std::optional<double> latency_ms);
   double frameHz() const { return frame_hz_; }
   double latencyMs() const { return latency_ms_; }  ///< median of the last two seconds
-  /// Of every new frame, the oldest first.
+  /// Latency of every new frame, oldest first.
   const std::deque<float>& history() const { return history_; }
 
  private:
@@ -29,13 +29,13 @@ class Meter {
   double frame_hz_ = 0, latency_ms_ = 0;
 };
 
-/// What the panels ask the studio for, beyond the settings.
+/// Actions that the panels request from the studio.
 struct PanelRequests {
   bool open = false, save_as = false, import = false, export_surface = false, export_cage = false,
        help = false;
-  bool record = false;   ///< begin a recording, or end the one under way
+  bool record = false;   ///< start or stop recording
   std::string new_clay;  ///< a preset's name
-  int clutch_key = 0;    ///< GLFW's number of the key that was pressed when one was asked for
+  int clutch_key = 0;    ///< GLFW code of the chosen clutch key; 0: none
 };
 
 /// The number keys 1 to 4 choose tools; 5 and up choose views.
@@ -46,9 +46,9 @@ class Panels {
   Panels(Session& session, StudioSettings& settings) : session_(session), settings_(settings) {}
 
   PanelRequests draw(const Snapshot& snapshot, const Viewport& viewport, const Meter& meter);
-  /// Where the cameras' images lie, of the panels drawn last.
+  /// The cameras' images, as last drawn.
   std::span<const Inset> insets() const { return insets_; }
-  /// The next key that is pressed is to be the clutch: it means nothing else.
+  /// True while the next key press chooses the clutch key.
   bool asksForKey() const { return asks_for_key_; }
 
  private:
@@ -71,9 +71,9 @@ class Panels {
   Session& session_;
   StudioSettings& settings_;
   std::vector<Inset> insets_;
-  float menu_height_ = 0, status_bottom_ = 0;  ///< pixels, of the last image
+  float menu_height_ = 0, status_bottom_ = 0;  ///< pixels, from the last image
   bool asks_for_key_ = false;
-  int first_camera_row_ = 0;  ///< of more cameras than there is room for
+  int first_camera_row_ = 0;  ///< scroll position, if not all cameras fit
 };
 
 }  // namespace airclay

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Where a window's images are drawn and how they come to the display: by a swapchain, or on a software
-// device through memory that the X server shares.
+// Presents a window's images: by a swapchain, or on a software device through memory shared with the X
+// server.
 #pragma once
 
 #include <optional>
@@ -17,14 +17,14 @@ class Presenter {
   Presenter& operator=(const Presenter&) = delete;
 
   virtual const char* name() const = 0;
-  /// Dear ImGui's, over what is there: from the layout of an attachment to shownLayout().
+  /// Dear ImGui's render pass over the existing image: from the attachment layout to shownLayout().
   VkRenderPass renderPass() const { return render_pass_; }
   VkExtent2D extent() const { return extent_; }  ///< pixels
-  /// How its image must be laid out when it is submitted.
+  /// The layout that the image must have on submission.
   virtual VkImageLayout shownLayout() const = 0;
   virtual std::uint32_t imageCount() const = 0;
 
-  /// The window has another size, in pixels. Waits for what is being drawn.
+  /// Call it when the window's size in pixels changes. Waits for pending drawing.
   virtual void resize(std::uint32_t width, std::uint32_t height) = 0;
 
   struct Target {
@@ -32,16 +32,16 @@ class Presenter {
     VkImage image = VK_NULL_HANDLE;
     VkFramebuffer framebuffer = VK_NULL_HANDLE;
   };
-  /// The next image to draw into; none when the window has changed: resize(), and ask again. \pre the last
+  /// The next image to draw into; null if the window has changed: call resize() and retry. \pre the last
   /// image has been shown
   virtual std::optional<Target> acquire() = 0;
-  /// Submits what `recorder` has, which draws the target; returns without waiting for it.
+  /// Submits `recorder`, which draws the target, without waiting for it.
   virtual void submit(Recorder& recorder, const Target& target) = 0;
-  /// Shows what was submitted, and waits for the device. False when the window has changed.
+  /// Shows the submitted image and waits for the device. False if the window has changed.
   virtual bool show(Recorder& recorder, const Target& target) = 0;
 
  protected:
-  /// As bytes, not as light: the engine's images and the interface's colours are sRGB already.
+  /// UNORM, not SRGB: the engine's images and the interface's colors are sRGB-encoded already.
   static constexpr VkFormat kFormat = VK_FORMAT_B8G8R8A8_UNORM;
 
   /// \pre shownLayout() may be called

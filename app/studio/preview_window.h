@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The window of `airclay cameras --watch`: what each camera sees, and how it runs.
+// The window of `airclay cameras --watch`: the image and status of each camera.
 #pragma once
 
 #include <functional>
@@ -9,7 +9,8 @@
 
 namespace airclay {
 
-/// Until it is closed, or `goes_on`, which is told of every set and several times a second of none, is false.
+/// Runs until the window is closed or `goes_on` returns false. `goes_on` is called with every set, and
+/// several times per second with null.
 void watchCameras(Gpu& gpu, LiveCameras& cameras, const std::function<bool(const LiveSet*)>& goes_on);
 
 }  // namespace airclay

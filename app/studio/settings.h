@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the studio remembers between runs: in XDG_CONFIG_HOME/airclay/studio.toml.
+// The studio's settings, stored in XDG_CONFIG_HOME/airclay/studio.toml.
 #pragma once
 
 #include <filesystem>
@@ -20,8 +20,8 @@ struct StudioSettings {
   bool filtered = true;
   bool show_panels = true, show_voxels = false, show_cage = false, show_points = false, show_skeleton = false,
        show_cameras = false, show_graph = true;
-  int clutch_key = 32;           ///< GLFW's number: the space bar; a foot pedal types a key
-  std::filesystem::path folder;  ///< of the last document or export
+  int clutch_key = 32;           ///< GLFW code: Space; a foot pedal sends a key
+  std::filesystem::path folder;  ///< folder of the last document or export
   bool first_run = true;
   bool operator==(const StudioSettings&) const = default;
 };
@@ -30,9 +30,9 @@ struct StudioSettings {
 std::filesystem::path configFolder();
 std::filesystem::path stateFolder();
 
-/// What cannot be read is said once on standard error, and the defaults hold.
+/// Prints a warning and uses the defaults for anything that cannot be read.
 StudioSettings loadSettings();
-/// Never throws: settings are a comfort.
+/// Prints a warning on failure; never throws.
 void saveSettings(const StudioSettings& settings);
 
 }  // namespace airclay

@@ -6,14 +6,14 @@
 #include "engine/core/error.h"
 #include "engine/gpu/image.h"
 
-// X11's headers come last: they define words as macros.
+// X11's headers come last: they define common words as macros.
 #include <X11/Xlib.h>
 #include <X11/Xutil.h>
 #include <X11/extensions/XShm.h>
 #include <sys/ipc.h>
 #include <sys/shm.h>
 
-// As glfw3native.h declares them, which wants more of X11's headers. GLFW's build for Wayland lacks them.
+// Declared as in glfw3native.h, which needs more X11 headers. GLFW's Wayland build lacks these functions.
 extern "C" {
 __attribute__((weak)) Display* glfwGetX11Display();
 __attribute__((weak)) ::Window glfwGetX11Window(GLFWwindow* window);
@@ -22,7 +22,7 @@ __attribute__((weak)) ::Window glfwGetX11Window(GLFWwindow* window);
 namespace airclay {
 namespace {
 
-/// Whether the X server refused something. While one of these lives, that ends nobody's program.
+/// Catches X server errors, which would otherwise end the program.
 class XFaults {
  public:
   explicit XFaults(Display* display) : display_(display), before_(XSetErrorHandler(note)) { seen_ = false; }
@@ -45,10 +45,10 @@ class XFaults {
   XErrorHandler before_;
 };
 
-/// An image in memory that this process and the X server share, gone with the last of the two.
+/// An image in memory shared with the X server; freed when both have released it.
 class SharedImage {
  public:
-  /// What came of it: valid().
+  /// Check valid() afterwards.
   SharedImage(Display* display, const XWindowAttributes& window, std::uint32_t width, std::uint32_t height)
       : display_(display) {
     image_ = XShmCreateImage(display, window.visual, static_cast<unsigned>(window.depth), ZPixmap, nullptr,
@@ -63,7 +63,7 @@ class SharedImage {
       XFaults faults(display);
       attached_ = XShmAttach(display, &segment_) && !faults.any();
     }
-    shmctl(segment_.shmid, IPC_RMID, nullptr);  // it goes when nobody holds it any more, however we end
+    shmctl(segment_.shmid, IPC_RMID, nullptr);  // freed with its last user, even after a crash
   }
   ~SharedImage() {
     if (attached_) {
@@ -72,14 +72,14 @@ class SharedImage {
     }
     if (segment_.shmaddr) shmdt(segment_.shmaddr);
     if (!image_) return;
-    image_->data = nullptr;  // not Xlib's to free
+    image_->data = nullptr;  // not owned by Xlib
     XDestroyImage(image_);
   }
   SharedImage(const SharedImage&) = delete;
   SharedImage& operator=(const SharedImage&) = delete;
 
   bool valid() const { return attached_; }
-  /// Whether its pixels are the words of VK_FORMAT_B8G8R8A8.
+  /// Whether its pixel format is VK_FORMAT_B8G8R8A8.
   bool isBgra() const {
     return image_->bits_per_pixel == 32 && image_->byte_order == LSBFirst && image_->red_mask == 0xFF0000 &&
            image_->green_mask == 0xFF00 && image_->blue_mask == 0xFF;
@@ -90,7 +90,7 @@ class SharedImage {
       std::memcpy(image_->data + y * static_cast<std::size_t>(image_->bytes_per_line),
                   pixels.data() + y * width, 4 * width);
   }
-  /// Returns when the server has taken it.
+  /// Returns when the server has read it.
   void show(::Window window, GC context) {
     XShmPutImage(display_, window, context, image_, 0, 0, 0, 0, static_cast<unsigned>(image_->width),
                  static_cast<unsigned>(image_->height), False);

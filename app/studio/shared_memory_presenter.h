@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Images of a software device, handed to the X server in memory that it shares (MIT-SHM).
+// Presents the images of a software device through memory shared with the X server (MIT-SHM).
 //
 // Where the server has no DRI3 (Xvfb, VNC), Mesa's swapchain for software devices sends every image through
 // the socket; receiving one of 1280 x 720 costs the server 17 ms of processor time, as much as tracking the
@@ -16,7 +16,7 @@ namespace airclay {
 
 class SharedMemoryPresenter : public Presenter {
  public:
-  /// Nothing where it cannot be: on Wayland, on another machine's display, or with colours in another order.
+  /// Null if unsupported: on Wayland, on a remote display, or with another channel order.
   static std::unique_ptr<SharedMemoryPresenter> open(Gpu& gpu, GLFWwindow* window);
   ~SharedMemoryPresenter() override;
 

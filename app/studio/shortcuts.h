@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Every key of the studio, once: what handles it and what the help overlay says of it.
+// All key bindings of the studio: their actions and their descriptions in the help overlay.
 #pragma once
 
 #include <functional>
@@ -10,13 +10,13 @@
 namespace airclay {
 
 struct KeyBinding {
-  int key = 0;  ///< GLFW's number
+  int key = 0;  ///< GLFW code
   bool ctrl = false, shift = false;
   std::string shown;           ///< "Ctrl Z"
-  std::string does;            ///< "undo"
-  std::function<void()> act;   ///< when pressed; none: held keys and the mouse, handled where they belong
-  bool repeats = false;        ///< while it is held down
-  std::vector<int> held = {};  ///< without `act`: the keys that mean something while they are down
+  std::string does;            ///< "Undo"
+  std::function<void()> act;   ///< called on a key press; empty: handled elsewhere (held keys, mouse)
+  bool repeats = false;        ///< repeat while the key is down
+  std::vector<int> held = {};  ///< without `act`: the keys that act while they are down
 };
 
 struct KeyGroup {
@@ -24,17 +24,17 @@ struct KeyGroup {
   std::vector<KeyBinding> bindings;
 };
 
-/// Calls what the keys pressed in this image mean. \pre between Window::begin() and present()
+/// Runs the actions of the keys pressed in this image. \pre between Window::begin() and present()
 void obeyKeys(const std::vector<KeyGroup>& groups);
 
-/// What a key is called on this keyboard: "Space", "F13", "Q".
+/// The name of a key on this keyboard: "Space", "F13", "Q".
 std::string keyName(int key);
-/// The key that went down in this image, of those that name something; 0 when there is none.
+/// The key pressed in this image; 0 if none.
 int keyPressed();
-/// What a key does already, without Ctrl or Shift; none when it is free for the clutch.
+/// What a key does without Ctrl or Shift; nullopt if it is free for the clutch.
 std::optional<std::string> meaningOf(const std::vector<KeyGroup>& groups, int key);
 
-/// The overlay with all of them; false once it is closed.
+/// Draws the help overlay; false once it is closed.
 bool drawHelp(const std::vector<KeyGroup>& groups);
 
 }  // namespace airclay

@@ -20,15 +20,15 @@ namespace airclay {
 namespace {
 
 constexpr double kNoteSeconds = 4, kLogSeconds = 1;
-constexpr double kSettingsSeconds = 2;  // a program that is killed loses no more of them
-constexpr double kTurnRadS = 1.2;       // of the clay and the mouse's hand, while a key is held
+constexpr double kSettingsSeconds = 2;  // a crash loses at most this much
+constexpr double kTurnRadS = 1.2;       // rotation speed of the clay and the mouse hand
 constexpr double kMovingSeconds = 0.5;  // after the last frame, key or mouse
-constexpr double kQuietFrameS = 0.2;    // between images when nothing happens
+constexpr double kQuietFrameS = 0.2;    // between images without changes
 constexpr double kMovingFrameS = 1.0 / 60;
-// While frames come in, they make the images: others would only hold them up.
+// While frames arrive, each triggers an image; additional images would only delay them.
 constexpr double kFlowingS = 0.15, kFlowingFrameS = 0.1;
 
-/// This process's resident memory, from Linux's own account.
+/// Resident memory of this process.
 double residentMegabytes() {
   std::ifstream statm("/proc/self/statm");
   long pages = 0, resident = 0;
@@ -77,7 +77,7 @@ class Studio {
     while (!window_.closing()) {
       if (session_.pipelineFailed()) break;
       window_.poll(secondsToFrame(session_.snapshot()));
-      const Snapshot snapshot = session_.snapshot();  // a new frame may have ended the wait
+      const Snapshot snapshot = session_.snapshot();  // a new frame may have arrived during the wait
       const bool waits = framesFlow() || !window_.inUse();
       if (waits && secondsToFrame(snapshot) > 0 && !window_.closing()) continue;
       for (const std::filesystem::path& file : window_.takeDropped()) openDropped(file);
@@ -94,7 +94,7 @@ class Studio {
   }
 
  private:
-  /// New frames end the window's wait for events.
+  /// New frames wake the window.
   static Session::Options waking(Session::Options session) {
     session.wake = [] { glfwPostEmptyEvent(); };
     return session;
@@ -105,8 +105,7 @@ class Studio {
     Clock::time_point since;
   };
 
-  /// An image is drawn for every new frame and while something is being done, and now and then otherwise. A
-  /// new frame ends the wait.
+  /// Seconds until the next image: one per new frame and during input, and occasionally otherwise.
   double secondsToFrame(const Snapshot& snapshot) const {
     const bool new_frame = session_.hasRecording() && snapshot.serial != drawn_serial_;
     if (new_frame) return 0;
@@ -247,7 +246,7 @@ class Studio {
   void takeMouse(const ImGuiIO& io) {
     const Vec2 drag(io.MouseDelta.x, io.MouseDelta.y);
     const bool has_hand = !session_.hasRecording();
-    // in the first image of a press the way there is not told from the drag
+    // in the first image of a press, pointer motion is not yet a drag
     const auto dragged = [&](int button) { return io.MouseDownDuration[button] > 0; };
     if (dragged(1) || (!has_hand && dragged(0))) view_.orbit(drag);
     if (dragged(2)) view_.pan(drag, window_.height());
@@ -323,7 +322,7 @@ class Studio {
       return;
     }
     settings_.clutch_key = key;
-    bindKeys();  // the overlay names it
+    bindKeys();  // updates the help overlay
   }
 
   void askOpen() {
@@ -425,7 +424,7 @@ class Studio {
   ViewControl view_;
   Recorder recorder_;
   TimingPlan timed_frames_;
-  StageTimes render_ms_;  ///< of the last images that were timed
+  StageTimes render_ms_;  ///< of the last timed images
   Meter meter_;
   FileChooser chooser_;
   std::vector<KeyGroup> keys_;

@@ -13,13 +13,13 @@ namespace airclay {
 struct StudioOptions {
   std::string title = "Airclay";
   std::optional<TriangleMesh> forearm;  ///< drawn behind the hand
-  bool close_at_end = false;            ///< of the take: the demo's
-  std::filesystem::path log;            ///< optional: a line of JSON a second with what the status shows
+  bool close_at_end = false;            ///< close the window at the end of the take; for the demo
+  std::filesystem::path log;            ///< optional: writes the status once per second, as JSON lines
 };
 
-/// Opens the window and stays until it is closed. The hand is `session.recording`'s, or the mouse's where
-/// there is none. Every edit is in `document` when this returns. \throw Error when no window can be opened,
-/// or the device fails
+/// Opens the window and returns when it is closed. The hand comes from `session.recording`, or from the mouse
+/// if that is null. Every edit is in `document` on return. \throw Error if no window can be opened, or the
+/// device fails
 void runStudio(Gpu& gpu, const Session::Options& session, Document document, const StudioOptions& options);
 
 }  // namespace airclay

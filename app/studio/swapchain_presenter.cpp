@@ -74,7 +74,7 @@ void SwapchainPresenter::resize(std::uint32_t width, std::uint32_t height) {
   info.imageExtent = extent_;
   info.imageArrayLayers = 1;
   info.imageUsage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
-  if (gpu_.isCpu()) info.imageUsage |= VK_IMAGE_USAGE_TRANSFER_SRC_BIT;  // the interface is kept from them
+  if (gpu_.isCpu()) info.imageUsage |= VK_IMAGE_USAGE_TRANSFER_SRC_BIT;  // the interface is copied from them
   info.preTransform = can.currentTransform;
   info.compositeAlpha = VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR;
   info.presentMode = VK_PRESENT_MODE_FIFO_KHR;

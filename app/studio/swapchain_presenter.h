@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The images that a window shows in turn.
+// The swapchain of a window.
 #pragma once
 
 #include <vector>
@@ -8,10 +8,10 @@
 
 namespace airclay {
 
-/// Owns the surface's images, their framebuffers, and what tells when each may be drawn and shown.
+/// Owns the surface's images, their framebuffers and semaphores.
 class SwapchainPresenter : public Presenter {
  public:
-  /// Takes the surface over. \throw Error (Fault::kDevice) when the device cannot show images on it.
+  /// Takes ownership of the surface. \throw Error (Fault::kDevice) if the device cannot show images on it.
   SwapchainPresenter(Gpu& gpu, VkSurfaceKHR surface);
   ~SwapchainPresenter() override;
 
@@ -28,7 +28,7 @@ class SwapchainPresenter : public Presenter {
     VkImage image = VK_NULL_HANDLE;
     VkImageView view = VK_NULL_HANDLE;
     VkFramebuffer framebuffer = VK_NULL_HANDLE;
-    VkSemaphore drawn = VK_NULL_HANDLE;  ///< signalled when it has been
+    VkSemaphore drawn = VK_NULL_HANDLE;  ///< signalled when it is drawn
   };
   void destroyImages();
   bool present(std::uint32_t index);

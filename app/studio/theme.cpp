@@ -3,7 +3,7 @@
 
 #include <imgui/imgui.h>
 
-// Inter, a typeface for screens, in the program itself: font.S
+// The Inter font, embedded by font.S
 extern "C" {
 extern unsigned char airclay_font[];
 extern const unsigned char airclay_font_end[];

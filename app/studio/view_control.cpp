@@ -7,7 +7,7 @@
 namespace airclay {
 namespace {
 
-constexpr double kRadiansAPixel = 0.006;  // a drag across a laptop's window turns once round
+constexpr double kRadiansAPixel = 0.006;  // a drag across a laptop's window is one full turn
 constexpr double kZoomAStep = 0.9;
 
 }  // namespace

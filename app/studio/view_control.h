@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// How the designer goes round the clay: orbit, pan, zoom, and the views that everybody expects.
+// Camera control: orbit, pan, zoom, and the standard views.
 #pragma once
 
 #include "engine/render/renderer.h"
 
 namespace airclay {
 
-/// All in the workspace's frame; drags in window pixels, right and down.
+/// Works in the workspace's frame; drags are in window pixels, right and down.
 class ViewControl {
  public:
   /// \param edge_m the workspace's edge
@@ -14,18 +14,18 @@ class ViewControl {
 
   View view() const { return orbitView(orbit_); }
   void orbit(const Vec2& drag_px);
-  /// Keeps what is under the pointer there. `height_px`: the window's.
+  /// Moves the scene with the pointer. `height_px`: height of the window.
   void pan(const Vec2& drag_px, double height_px);
-  /// Positive: nearer.
+  /// Positive: closer.
   void zoom(double steps);
   void front() { look(-M_PI / 2, 0); }
   void side() { look(0, 0); }
   void top() { look(-M_PI / 2, M_PI / 2); }
   void reset();
-  /// Centres on a ball and shows all of it.
+  /// Frames a sphere.
   void fit(const Vec3& center, double radius_m);
 
-  /// Metres at the target that a pixel covers, and the image's axes in the workspace.
+  /// Metres per pixel at the target, and the image's axes in the workspace.
   double metresAPixel(double height_px) const;
   Vec3 right() const { return axis(0); }
   Vec3 up() const { return -axis(1); }

@@ -10,17 +10,17 @@
 namespace airclay {
 namespace {
 
-constexpr double kRingAway = 1.06;  // of the farthest of the clay: rings of symmetry stand clear of it
+constexpr double kRingAway = 1.06;  // relative to the clay's extent, so that symmetry rings do not touch it
 
-/// 15 cm: farther away nobody asks how far.
+/// 15 cm: the distance is not shown beyond this.
 constexpr double kFarthestGap = 0.15;
-/// What a software device can draw at the cameras' pace: a triangle costs it as much as a hundred pixels.
+/// Triangle budget of a software device at the cameras' rate; a triangle costs as much as a hundred pixels.
 constexpr DisplayDetail kMovingDetail = {.finer_points = 3'000, .coarser_points = 30'000};
-/// More cannot be told apart, and would hold up the first image of a movement.
+/// More are not distinguishable and would delay the first image of a movement.
 constexpr DisplayDetail kRestingDetail = {.coarser_points = 150'000};
 constexpr int kMovingTaps = 8, kMovingShadowMap = 320, kMovingGround = 40;
 
-/// All that an image depends on.
+/// Everything that an image depends on.
 std::vector<double> keyOf(const Session::ClayOnDevice& clay, const Snapshot& snapshot,
                           const StudioSettings& settings, const ViewportFrame& frame) {
   std::vector<double> key = {double(frame.width),           double(frame.height),
@@ -94,7 +94,7 @@ Renderer& Viewport::rendererFor(int width, int height, bool moving) {
   return *renderer;
 }
 
-/// Evaluated again only where the clay has moved since.
+/// Reevaluates the surface only if the clay has moved.
 SurfaceBuffers Viewport::recordSurface(Recorder& recorder, const Session::ClayOnDevice& clay,
                                        std::uint64_t clay_serial, bool moving) {
   const bool coarse = gpu_.isCpu() && moving;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What stands in the studio's image: clay, hand, ground, and the workings if they are to be seen.
+// Renders the studio's 3D view: clay, hand, ground, and optional overlays.
 #pragma once
 
 #include <optional>
@@ -14,25 +14,25 @@ namespace airclay {
 
 struct ViewportFrame {
   View view;
-  int width = 0, height = 0;  ///< of the window, pixels
-  bool moving = false;        ///< something changes from image to image: a software device saves detail
+  int width = 0, height = 0;  ///< size of the window, pixels
+  bool moving = false;        ///< the scene is moving: a software device reduces detail
 };
 
 class Viewport {
  public:
   Viewport(Gpu& gpu, const Session& session, const std::optional<TriangleMesh>& forearm);
 
-  /// Records the image of `snapshot`, unless the last one is like it; it is in image() when the work is
-  /// done. The clay may not change its form until that is submitted. \pre the work recorded before is done
+  /// Records the rendering of `snapshot` into image(), unless nothing has changed. The clay's structure may
+  /// not change until the recorder is submitted. \pre previously recorded work has finished
   void record(Recorder& recorder, const Session::ClayOnDevice& clay, const Snapshot& snapshot,
               const StudioSettings& settings, const ViewportFrame& frame);
-  /// The last one.
+  /// The last image.
   Image& image() { return drawn_->image(); }
 
-  /// The smallest distance between the hand's skin and the clay's data points; negative: that deep inside.
-  /// None when the hand is out of reach.
+  /// The smallest distance between the hand's skin and the clay's data points; negative: inside. Nullopt if
+  /// the hand is far away.
   std::optional<double> gapMetres() const { return gap_m_; }
-  /// A ball around the clay, workspace frame.
+  /// Bounding sphere of the clay, workspace frame.
   Vec3 clayCenter() const { return clay_center_; }
   double clayRadius() const { return clay_radius_m_; }
   /// The posed hand's outline in a camera's image: pairs of points, pixels.
@@ -46,7 +46,7 @@ class Viewport {
   SurfaceBuffers recordSurface(Recorder& recorder, const Session::ClayOnDevice& clay,
                                std::uint64_t clay_serial, bool moving);
 
-  /// An edge of the skin and the triangles on both sides.
+  /// An edge of the skin and its two triangles.
   struct SkinEdge {
     int a = 0, b = 0, left = -1, right = -1;
   };
@@ -55,22 +55,22 @@ class Viewport {
   const Session& session_;
   DrawnHand hand_;
   std::vector<SkinEdge> skin_edges_;
-  std::array<std::unique_ptr<Renderer>, 2> renderers_;  ///< for what rests, and for what moves
-  Renderer* drawn_ = nullptr;                           ///< the one of the last image
-  std::vector<double> drawn_key_;                       ///< all that the last image depends on
-  /// The clay as it is drawn, and of what clay it was evaluated last.
+  std::array<std::unique_ptr<Renderer>, 2> renderers_;  ///< full detail at rest, reduced in motion
+  Renderer* drawn_ = nullptr;                           ///< the renderer of the last image
+  std::vector<double> drawn_key_;                       ///< everything that the last image depends on
+  /// The displayed surface, and the clay that it was evaluated from.
   struct DrawnClay {
     std::unique_ptr<DisplaySurface> surface;
     std::uint64_t structure_serial = 0, clay_serial = 0;
   };
-  std::array<DrawnClay, 2> clays_;  ///< for what rests, and for what moves
+  std::array<DrawnClay, 2> clays_;  ///< full detail at rest, reduced in motion
   Buffer<std::uint32_t> cage_edges_;
   std::uint64_t cage_structure_serial_ = 0;
   double ground_z_m_ = 0;
   std::optional<double> gap_m_;
   Vec3 clay_center_ = Vec3::Zero();
   double clay_radius_m_ = 0.1;
-  double clay_reach_m_ = 0.1;  ///< of its farthest point from the workspace's centre
+  double clay_reach_m_ = 0.1;  ///< distance of its farthest point from the workspace's center
 };
 
 }  // namespace airclay

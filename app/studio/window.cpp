@@ -20,7 +20,7 @@
 namespace airclay {
 namespace {
 
-/// The interface is drawn so often at least; figures that change faster cannot be read.
+/// Longest time between interface updates; faster changes of numbers are not readable.
 constexpr auto kInterfaceStays = std::chrono::milliseconds(100);
 
 std::string last_glfw_fault;
@@ -34,7 +34,7 @@ void glfwFault(int, const char* text) {
               Fault::kDevice);
 }
 
-/// GLFW, for as long as there is a window.
+/// Initializes GLFW while a window exists.
 struct Glfw {
   Glfw() {
     glfwSetErrorCallback(glfwFault);
@@ -44,7 +44,7 @@ struct Glfw {
 };
 
 VkDescriptorPool makeDescriptorPool(Gpu& gpu) {
-  // Dear ImGui's only texture is that of its letters
+  // Dear ImGui's only texture is the font atlas
   const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1};
   VkDescriptorPoolCreateInfo info{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
   info.maxSets = 1;
@@ -55,8 +55,8 @@ VkDescriptorPool makeDescriptorPool(Gpu& gpu) {
   return pool;
 }
 
-/// What the keyboard did, until images have seen it. Dear ImGui 1.86 looks once an image which keys are
-/// down: one that went down and up between two images it would never see.
+/// Queues keyboard events for the following images. Dear ImGui 1.86 samples the keys once per image and would
+/// miss one that was pressed and released in between.
 class KeyEvents {
  public:
   void add(int key, int scancode, int action, int modifiers) {
@@ -64,8 +64,8 @@ class KeyEvents {
   }
   bool waiting() const { return !waiting_.empty(); }
 
-  /// Hands on what one image can show: of every key the next change, and none from before and after a
-  /// change of Ctrl, Shift, Alt or Super.
+  /// Delivers the events of one image: at most one change per key, and none across a change of Ctrl, Shift,
+  /// Alt or Super.
   void handOn(GLFWwindow* window) {
     std::vector<Event> later;
     std::set<int> changed;
@@ -94,7 +94,7 @@ void transition(VkCommandBuffer commands, VkImage image, VkImageLayout from, VkI
   recordLayout(commands, image, VK_IMAGE_ASPECT_COLOR_BIT, from, to);
 }
 
-/// Where the window has just grown, the image is that of the size before.
+/// Right after a resize, the image still has the previous size.
 void fillWith(VkCommandBuffer commands, Image& frame, VkImage image, VkExtent2D extent) {
   frame.transition(commands, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, true);
   VkImageCopy region{};
@@ -118,7 +118,7 @@ void lay(VkCommandBuffer commands, const Inset& inset, VkImage image, VkExtent2D
                          1, &region);
 }
 
-/// What the interface covers: a rectangle for each of its windows, and each inset.
+/// The area of the interface: one rectangle per window and inset.
 std::vector<VkRect2D> coveredBy(const ImDrawData& interface, std::span<const Inset> insets,
                                 VkExtent2D extent) {
   std::vector<VkRect2D> covered;
@@ -148,7 +148,7 @@ std::vector<VkRect2D> coveredBy(const ImDrawData& interface, std::span<const Ins
   return covered;
 }
 
-/// Copies rectangles to where they are in the other image.
+/// Copies rectangles to the same place in the other image.
 void copyParts(VkCommandBuffer commands, VkImage from, VkImage to, std::span<const VkRect2D> parts) {
   std::vector<VkImageCopy> regions;
   for (const VkRect2D& part : parts) {
@@ -186,14 +186,14 @@ struct Window::Parts {
   ImGuiContext* context = nullptr;
   bool toolkit_on_window = false, toolkit_on_device = false;
   std::optional<Presenter::Target> target;
-  bool changed = true;  ///< the window's size
+  bool changed = true;  ///< the window's size has changed
   std::vector<std::filesystem::path> dropped;
   KeyEvents keys;
   double scale = 1;
-  Image kept;  ///< the interface as it was drawn last; its corners show that image
+  Image kept;  ///< the interface as last drawn; its corners show that image
   std::vector<VkRect2D> kept_parts;
   bool draws_interface = true;  ///< in this image
-  bool used = true;             ///< mouse or keyboard, since the interface was drawn last
+  bool used = true;             ///< mouse or keyboard input since the interface was last drawn
   int held = 0;                 ///< keys and buttons that are down
   std::chrono::steady_clock::time_point interface_at{};
 
@@ -261,7 +261,7 @@ struct Window::Parts {
   void startToolkit() {
     watchInput();
     context = ImGui::CreateContext();
-    ImGui::GetIO().IniFilename = nullptr;  // what is remembered, the studio's settings remember
+    ImGui::GetIO().IniFilename = nullptr;  // the studio stores its own settings
     applyTheme(scale);
     toolkit_on_window = ImGui_ImplGlfw_InitForVulkan(window, true);
     glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int scancode, int action, int modifiers) {
@@ -342,7 +342,7 @@ Window::Begun Window::begin(bool interface_may_stay) {
   if (!parts_->target) {
     parts_->fit();
     parts_->target = parts_->screen->acquire();
-    if (!parts_->target) return Begun::kNothing;  // it changes again: the next image
+    if (!parts_->target) return Begun::kNothing;  // it is being resized: skip this image
   }
   parts_->draws_interface = !interface_may_stay || !parts_->interfaceStays();
   if (!parts_->draws_interface) return Begun::kImage;
@@ -355,7 +355,7 @@ Window::Begun Window::begin(bool interface_may_stay) {
   return Begun::kInterface;
 }
 
-/// Over what is in the window's image already. \post it can be shown
+/// Draws the interface over the window's image. \post the image can be shown
 void Window::Parts::drawInterface(VkCommandBuffer commands, std::span<const Inset> insets) {
   const VkExtent2D extent = screen->extent();
   if (!insets.empty())
@@ -373,7 +373,7 @@ void Window::Parts::drawInterface(VkCommandBuffer commands, std::span<const Inse
   vkCmdEndRenderPass(commands);
 }
 
-/// Keeps the interface that was just drawn.
+/// Saves the interface that was just drawn.
 void Window::Parts::keepInterface(VkCommandBuffer commands, std::span<const Inset> insets) {
   const VkExtent2D extent = screen->extent();
   if (!kept.handle()) kept = Image(gpu, ImageKind::kScreen, extent.width, extent.height);
@@ -384,7 +384,7 @@ void Window::Parts::keepInterface(VkCommandBuffer commands, std::span<const Inse
   transition(commands, target->image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, screen->shownLayout());
 }
 
-/// The kept one, over what is in the window's image already. \post it can be shown
+/// Draws the saved interface over the window's image. \post the image can be shown
 void Window::Parts::layInterface(VkCommandBuffer commands) {
   kept.transition(commands, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, true);
   transition(commands, target->image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A window on the display (GLFW) that shows the engine's images, with Dear ImGui over them.
+// A window (GLFW) that shows the engine's images with Dear ImGui over them.
 //
 // The image is drawn offscreen by engine/render/renderer.h and copied into the window's image (screen.h);
 // Dear ImGui 1.86 draws over it in the one VkRenderPass that there is. On a software device that costs as
@@ -17,7 +17,7 @@
 
 namespace airclay {
 
-/// Small images that lie on the window's image, under the interface: B G R A bytes, rows from the top.
+/// Small images drawn on the window's image, under the interface: B G R A bytes, rows from the top.
 struct Inset {
   const Buffer<std::uint32_t>* pixels = nullptr;
   std::size_t first = 0;      ///< of `pixels`
@@ -32,43 +32,43 @@ class Window {
     int width = 1280, height = 800;  ///< screen units
   };
 
-  /// Whether there is a display that a window could open on, as the environment says.
+  /// Whether the environment names a display.
   static bool possible();
 
-  /// On the main thread, as everything here. \throw Error when no window can be opened.
+  /// All members must be called on the main thread. \throw Error if no window can be opened.
   Window(Gpu& gpu, const Options& options);
   ~Window();
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
 
-  /// Handles what has happened, waiting for it for up to `wait_s`.
+  /// Handles events, waiting for up to `wait_s`.
   void poll(double wait_s);
-  /// Whether the mouse or the keyboard has done something that no interface has seen yet, or a key is down.
+  /// Whether there is unhandled mouse or keyboard input, or a key is down.
   bool inUse() const;
-  /// The user wants it closed.
+  /// The user asked to close it.
   bool closing() const;
   void close();
   /// Files dropped on the window since the last call.
   std::vector<std::filesystem::path> takeDropped();
 
-  const char* screenName() const;  ///< how images come to the display
+  const char* screenName() const;  ///< how images are presented
   int width() const;               ///< pixels; 0 while minimised
   int height() const;              ///< pixels
-  /// In screen units, to be remembered.
+  /// Size in screen units, for the settings.
   std::pair<int, int> sizeOnScreen() const;
 
   enum class Begun {
-    kNothing,    ///< there is nothing to draw on
-    kImage,      ///< the interface stays as it is
-    kInterface,  ///< an image with its interface: ImGui calls may follow
+    kNothing,    ///< no image available
+    kImage,      ///< an image without a new interface
+    kInterface,  ///< an image with an interface: ImGui calls may follow
   };
-  /// Begins an image. `interface_may_stay`: one follows the other quickly, and it need not be drawn in each.
+  /// Begins an image. `interface_may_stay`: images follow quickly, so the interface need not be redrawn in
+  /// each.
   Begun begin(bool interface_may_stay);
-  /// Ends it: `image` (ImageKind::kScreen) fills the window, `insets` lie on it, the interface over all.
-  /// Submits what `recorder` has, and returns without waiting for it. \pre begin() gave something; the
-  /// recorder's commands draw `image`
+  /// Draws `frame` (ImageKind::kScreen) over the whole window, then `insets`, then the interface. Submits
+  /// `recorder` without waiting. \pre begin() returned an image; the recorder's commands draw `frame`
   void draw(Recorder& recorder, Image& frame, std::span<const Inset> insets);
-  /// Shows what was drawn, and waits for the device. \pre draw() with this recorder
+  /// Shows the image and waits for the device. \pre draw() with this recorder
   void show(Recorder& recorder);
 
  private:
