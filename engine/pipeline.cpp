@@ -9,6 +9,16 @@
 
 namespace airclay {
 
+HandState FrameResult::state() const {
+  if (hands.empty()) return HandState::kEmpty;
+  return trackedHand() ? HandState::kTracked : HandState::kLost;
+}
+
+const HandFit* FrameResult::trackedHand() const {
+  const auto found = std::ranges::find(hands, true, &HandFit::tracked);
+  return found == hands.end() ? nullptr : &*found;
+}
+
 Pipeline::PreparedClay::PreparedClay(Gpu& gpu, const ClayState& state, const Vec3& workspace_center,
                                      const DistanceGrid& hand)
     : clay_(std::make_unique<Clay>(gpu, state, workspace_center)),
@@ -27,7 +37,7 @@ struct Pipeline::Parts {
         silhouettes(gpu, gpu_rig),
         carver(gpu, gpu_rig, options.voxels),
         tracker(gpu, gpu_rig, hand, carver),
-        given_hand(gpu, 1, Memory::kHost),
+        given_hands(gpu, kMaxHands, Memory::kHost),
         recorder(gpu) {
     if (clay_state) setClay(prepareClay(*clay_state));
   }
@@ -43,7 +53,7 @@ struct Pipeline::Parts {
   std::unique_ptr<Clay> clay;
   std::unique_ptr<Sculptor> sculptor;
   std::optional<DistanceGrid> contact_grid;  ///< of the hand, once there is clay
-  Buffer<GpuFit> given_hand;
+  Buffer<GpuHandPose> given_hands;
   bool background_changed = false;  ///< since its model was made
   bool hand_was_given = false;      ///< in the last frame
   Recorder recorder;
@@ -94,13 +104,13 @@ struct Pipeline::Parts {
   void recordHandAndClay(const std::optional<SculptControls>& controls) {
     recorder.stage("fit");
     tracker.recordTracking(recorder);
-    if (controls) recordClay(tracker.result(), *controls);
+    if (controls) recordClay(tracker.hands(), *controls);
   }
 
-  void recordClay(const Buffer<GpuFit>& fit, const SculptControls& controls) {
+  void recordClay(const Buffer<GpuHandPose>& hands, const SculptControls& controls) {
     if (!sculptor) return;
     recorder.stage("clay");
-    sculptor->record(recorder, fit, controls);
+    sculptor->record(recorder, hands, controls);
   }
 
   /// Whether the hand of this frame is given or tracked: its way from the one to the other is not known.
@@ -117,7 +127,7 @@ struct Pipeline::Parts {
   /// The whole line. A frame whose last pose holds is one submission; a search has several of its own.
   /// Without controls the clay is left out.
   FrameResult process(bool from_images, const std::optional<SculptControls>& controls,
-                      std::uint32_t missing_cameras = 0) {
+                      const FrameInput& input = {}) {
     FrameResult result;
     const auto start = Clock::now();
     if (controls) takeHandFrom(false);
@@ -125,40 +135,46 @@ struct Pipeline::Parts {
     if (from_images) finishBackground();
     const Timing timing = seen_frames.next();
     recorder.begin(timing);
-    recordHull(from_images, missing_cameras);
+    recordHull(from_images, input.missing_cameras);
     if (following) recordHandAndClay(controls);
     submit(result);
 
-    if (following) result.fit = tracker.finish();
-    if (!result.fit.tracked) {
+    HandFit fit;
+    if (following) fit = tracker.finish();
+    if (!fit.tracked) {
       result.searched = tracker.search(recorder, result.stage_ms);
       if (result.searched) {
         recorder.begin(timing);
         recordHandAndClay(controls);
         submit(result);
-        result.fit = tracker.finish();
+        fit = tracker.finish();
       }
     }
+    if (fit.tracked || !tracker.isEmpty()) result.hands.push_back(std::move(fit));
     if (controls) finishClay(result);
-    result.hand = tracker.isEmpty()    ? HandState::kEmpty
-                  : result.fit.tracked ? HandState::kTracked
-                                       : HandState::kLost;
     result.frame_ms = millisecondsSince(start);
     return result;
   }
 
-  FrameResult sculptWith(const Pose& world_from_hand, const SculptControls& controls) {
+  FrameResult sculptWith(std::span<const HandPose> hands, const SculptControls& controls) {
+    if (hands.size() > kMaxHands) throw Error("there may be at most " + std::to_string(kMaxHands) + " hands");
     FrameResult result;
     const auto start = Clock::now();
     takeHandFrom(true);
-    result.hand = HandState::kTracked;
-    result.fit.world_from_hand = world_from_hand;
-    result.fit.tracked = true;
-    result.fit.outside_fraction = 0;
-    given_hand.host()[0] = fitFromPose(world_from_hand, tracker.model(), gpu_rig.rig().workspace);
-    given_hand.host()[0].tracked = 1;
+    std::ranges::fill(given_hands.host(), GpuHandPose{});
+    for (std::size_t k = 0; k < hands.size(); ++k) {
+      HandFit& fit = result.hands.emplace_back();
+      fit.pose = hands[k];
+      fit.tracked = true;
+      fit.outside_fraction = 0;
+      given_hands.host()[k] = gpuHandPose(hands[k], poseFrame(tracker.model(), gpu_rig.rig().workspace));
+    }
+    if (hands.empty()) {
+      finishClay(result);
+      return result;
+    }
     recorder.begin(given_frames.next());
-    recordClay(given_hand, controls);
+    recordClay(given_hands, controls);
     submit(result);
     finishClay(result);
     result.frame_ms = millisecondsSince(start);
@@ -167,7 +183,7 @@ struct Pipeline::Parts {
 
   void finishClay(FrameResult& result) {
     if (!sculptor) return;
-    if (!result.fit.tracked) {
+    if (!result.trackedHand()) {
       sculptor->forget();
       return;
     }
@@ -210,26 +226,27 @@ void Pipeline::learnBackground() {
   parts_->learn();
 }
 
-FrameResult Pipeline::processImages(const SculptControls& controls) {
-  return parts_->process(true, controls);
+FrameResult Pipeline::processImages(const SculptControls& controls, const FrameInput& input) {
+  return parts_->process(true, controls, input);
 }
 
-FrameResult Pipeline::trackImages(std::uint32_t missing_cameras) {
-  return parts_->process(true, std::nullopt, missing_cameras);
+FrameResult Pipeline::trackImages(const FrameInput& input) {
+  return parts_->process(true, std::nullopt, input);
 }
 
-FrameResult Pipeline::trackMasks(const std::vector<Mask>& masks) {
+FrameResult Pipeline::trackMasks(const std::vector<Mask>& masks, const FrameInput& input) {
   parts_->takeMasks(masks);
-  return parts_->process(false, std::nullopt);
+  return parts_->process(false, std::nullopt, input);
 }
 
-FrameResult Pipeline::processMasks(const std::vector<Mask>& masks, const SculptControls& controls) {
+FrameResult Pipeline::processMasks(const std::vector<Mask>& masks, const SculptControls& controls,
+                                   const FrameInput& input) {
   parts_->takeMasks(masks);
-  return parts_->process(false, controls);
+  return parts_->process(false, controls, input);
 }
 
-FrameResult Pipeline::sculptWith(const Pose& world_from_hand, const SculptControls& controls) {
-  return parts_->sculptWith(world_from_hand, controls);
+FrameResult Pipeline::sculptWith(std::span<const HandPose> hands, const SculptControls& controls) {
+  return parts_->sculptWith(hands, controls);
 }
 
 void Pipeline::setClay(const std::optional<ClayState>& clay) {
@@ -251,10 +268,6 @@ void Pipeline::hullFromImages() {
 void Pipeline::hullFromMasks(const std::vector<Mask>& masks) {
   parts_->takeMasks(masks);
   parts_->hull(false);
-}
-
-void Pipeline::resetGivenHand() {
-  if (parts_->sculptor) parts_->sculptor->forget();
 }
 
 void Pipeline::resetTracking() {

@@ -8,7 +8,9 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "engine/clay/clay.h"
 #include "engine/clay/clay_state.h"
@@ -34,15 +36,25 @@ enum class HandState {
   kLost,  ///< something is there, but no pose explains it
 };
 
+/// What the cameras recorded at one instant, besides the images.
+struct FrameInput {
+  std::uint32_t missing_cameras = 0;    ///< bit k: camera k has no image of this instant and is left out
+  std::vector<double> camera_times_s;  ///< each camera's own timestamp, in the rig's order; may be empty
+};
+
 struct FrameResult {
-  HandState hand = HandState::kEmpty;
-  HandFit fit;  ///< meaningful unless kEmpty
+  /// The hands in the voxel model, tracked or lost: at most kMaxHands, empty if nothing there could be a hand.
+  std::vector<HandFit> hands;
   ClayStep clay;
   bool searched = false;  ///< the hand was looked for all around: such a frame takes longer
   double frame_ms = 0;    ///< wall time from pixels in memory to the result
   /// On the device, disjoint, by name: silhouette, carve, fit, and with clay: clay. None in frames that are
   /// not timed (PipelineOptions).
   StageTimes stage_ms;
+
+  HandState state() const;
+  /// The first hand that is tracked, or null.
+  const HandFit* trackedHand() const;
 };
 
 class Pipeline {
@@ -63,17 +75,18 @@ class Pipeline {
   void resetBackground();
   /// The images now in memory, through all stages.
   /// \pre learnBackground() was called
-  FrameResult processImages(const SculptControls& controls = {});
+  FrameResult processImages(const SculptControls& controls = {}, const FrameInput& input = {});
   /// The same from masks that are used as they are, one a camera.
-  FrameResult processMasks(const std::vector<Mask>& masks, const SculptControls& controls = {});
+  FrameResult processMasks(const std::vector<Mask>& masks, const SculptControls& controls = {},
+                           const FrameInput& input = {});
   /// The hand alone: for whoever looks at the pose before it sculpts with sculptWith().
-  /// Cameras whose bits are in `absent` have no image of this instant, and no say.
-  FrameResult trackImages(std::uint32_t missing_cameras = 0);
-  FrameResult trackMasks(const std::vector<Mask>& masks);
-  /// A frame without cameras: the hand is where the caller says, and only the clay's stage runs. The tracker
-  /// is left alone. Between such a frame and one with cameras the hand's way is not known, so the clay
-  /// doesn't move in the first of either. Without clay nothing moves.
-  FrameResult sculptWith(const Pose& world_from_hand, const SculptControls& controls = {});
+  FrameResult trackImages(const FrameInput& input = {});
+  FrameResult trackMasks(const std::vector<Mask>& masks, const FrameInput& input = {});
+  /// A frame without cameras: only the clay's stage runs, with the given hands, at most kMaxHands; the first
+  /// one sculpts. The tracker keeps its state. Between such a frame and one with cameras the hand's path is
+  /// unknown, so the clay does not move in the first frame of either. Without hands, or without clay, nothing
+  /// moves.
+  FrameResult sculptWith(std::span<const HandPose> hands, const SculptControls& controls = {});
   /// Silhouettes and voxel model alone, of the images in memory or of masks.
   void hullFromImages();
   void hullFromMasks(const std::vector<Mask>& masks);
@@ -97,8 +110,6 @@ class Pipeline {
   std::unique_ptr<PreparedClay> prepareClay(const ClayState& clay);
   void setClay(std::unique_ptr<PreparedClay> made);
 
-  /// There was no hand to give: the next sculptWith() starts anew.
-  void resetGivenHand();
   /// Forgets the hand: the next frame searches again.
   void resetTracking();
 

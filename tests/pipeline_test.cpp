@@ -70,9 +70,9 @@ TEST(Pipeline, SculptsTheTubeFromPixelsToAnObj) {
   for (int frame = session.recording.backgroundFrames(); frame < session.recording.frameCount(); ++frame) {
     const FrameResult result = session.process(frame);
     SCOPED_TRACE("frame " + std::to_string(frame));
-    ASSERT_EQ(result.hand, HandState::kTracked);
+    ASSERT_EQ(result.state(), HandState::kTracked);
     EXPECT_EQ(result.searched, frame == session.recording.backgroundFrames());
-    const Pose& found = result.fit.world_from_hand;
+    const Pose& found = result.trackedHand()->pose.world_from_hand;
     const PoseError error = poseError(found, session.truth(frame), Vec3::Zero());
     shifts_m.push_back(error.shift_m);
     turns_degrees.push_back(error.turn_degrees);
@@ -125,7 +125,7 @@ TEST(Pipeline, TwoRunsGiveTheSameBits) {
   for (int run = 0; run < 2; ++run) {
     Session session;
     for (int frame = 10; frame < 70; frame += 3)
-      poses[run].push_back(session.process(frame).fit.world_from_hand);
+      poses[run].push_back(session.process(frame).trackedHand()->pose.world_from_hand);
     surfaces[run] = session.surface();
   }
   EXPECT_NE(surfaces[0], dataPoints(subdivide(presetCage("tube"), 2, SubdivisionRule::kCatmullClark).matrix,
@@ -142,23 +142,23 @@ TEST(Pipeline, TheClayStaysWhereTheHandIsNotFoundOrTheClutchIsOpen) {
   const std::vector<Vec3> dented = session.surface();
 
   // nobody there
-  EXPECT_EQ(session.process(0).hand, HandState::kEmpty);
+  EXPECT_EQ(session.process(0).state(), HandState::kEmpty);
   EXPECT_EQ(session.surface(), dented);
   // a ball is something, but no hand
   EXPECT_EQ(
-      session.pipeline.processMasks(sphereMasks(session.recording.rig(), Vec3(0.02, 0.03, 0), 0.06)).hand,
+      session.pipeline.processMasks(sphereMasks(session.recording.rig(), Vec3(0.02, 0.03, 0), 0.06)).state(),
       HandState::kLost);
   EXPECT_EQ(session.surface(), dented);
   // the hand is back, deep in the clay: what is inside it is left alone
   const FrameResult back = session.process(pressed);
-  EXPECT_EQ(back.hand, HandState::kTracked);
+  EXPECT_EQ(back.state(), HandState::kTracked);
   EXPECT_TRUE(back.searched);
   EXPECT_EQ(session.surface(), dented);
 
   // with the clutch open the hand is tracked and passes through
   session.pipeline.resetTracking();
   for (int frame = 36; frame <= pressed; frame += 2) {
-    EXPECT_EQ(session.process(frame, false).hand, HandState::kTracked);
+    EXPECT_EQ(session.process(frame, false).state(), HandState::kTracked);
     EXPECT_EQ(session.surface(), dented);
   }
 }
@@ -187,9 +187,9 @@ TEST(Pipeline, MasksAreUsedAsTheyAre) {
   for (int frame = 10; frame < 40; frame += 2) {
     const Pose truth = *script.at(frame / 30.0);
     const FrameResult result = pipeline.processMasks(cameras.masks(truth));
-    ASSERT_EQ(result.hand, HandState::kTracked) << "frame " << frame;
+    ASSERT_EQ(result.state(), HandState::kTracked) << "frame " << frame;
     EXPECT_EQ(result.searched, frame == 10);
-    const PoseError error = poseError(result.fit.world_from_hand, truth, Vec3::Zero());
+    const PoseError error = poseError(result.trackedHand()->pose.world_from_hand, truth, Vec3::Zero());
     shifts_m.push_back(error.shift_m);
     turns_degrees.push_back(error.turn_degrees);
   }
@@ -209,9 +209,9 @@ TEST(Pipeline, AGivenHandSculptsWithoutCamerasAndTheClayCanBeReplaced) {
   const auto press = [&] {
     FrameResult result;
     for (double x = 0.28; x > 0.235; x -= 0.005) {
-      result = pipeline.sculptWith(handAt(x));
-      EXPECT_EQ(result.hand, HandState::kTracked);
-      EXPECT_EQ(result.fit.world_from_hand.matrix(), handAt(x).matrix());
+      result = pipeline.sculptWith(std::array{HandPose{handAt(x), {}}});
+      EXPECT_EQ(result.state(), HandState::kTracked);
+      EXPECT_EQ(result.trackedHand()->pose.world_from_hand.matrix(), handAt(x).matrix());
       ASSERT_EQ(result.stage_ms.size(), 1u);
       EXPECT_EQ(result.stage_ms[0].first, "clay");
       EXPECT_LE(deepest(distances, handAt(x), pipeline.clay().surface().points), 0.0015);
@@ -225,10 +225,10 @@ TEST(Pipeline, AGivenHandSculptsWithoutCamerasAndTheClayCanBeReplaced) {
 
   // cameras come in between: the given hand's way to its new place is not known
   std::vector<Mask> masks = sphereMasks(rig, Vec3::Zero(), 0.002);
-  EXPECT_EQ(pipeline.processMasks(masks).hand, HandState::kEmpty);
-  pipeline.sculptWith(handAt(0.2));
+  EXPECT_EQ(pipeline.processMasks(masks).state(), HandState::kEmpty);
+  pipeline.sculptWith(std::array{HandPose{handAt(0.2), {}}});
   EXPECT_EQ(pipeline.clay().surface().points, pressed);
-  EXPECT_EQ(pipeline.sculptWith(handAt(0.1), {.held = false}).clay.touched, 0);
+  EXPECT_EQ(pipeline.sculptWith(std::array{HandPose{handAt(0.1), {}}}, {.held = false}).clay.touched, 0);
   EXPECT_EQ(pipeline.clay().surface().points, pressed);
 
   // the same clay anew, and the same strokes on it
@@ -246,7 +246,7 @@ TEST(Pipeline, AGivenHandSculptsWithoutCamerasAndTheClayCanBeReplaced) {
   EXPECT_THROW(pipeline.setClay(ball), Error);
   EXPECT_EQ(pipeline.clay().controlPointCount(), int(presetCage("ball").points.size()));
   pipeline.setClay(std::nullopt);
-  EXPECT_EQ(pipeline.sculptWith(handAt(0.2)).clay.touched, 0);
+  EXPECT_EQ(pipeline.sculptWith(std::array{HandPose{handAt(0.2), {}}}).clay.touched, 0);
 }
 
 TEST(Pipeline, WhatCannotBeProcessedIsRefused) {
@@ -261,7 +261,7 @@ TEST(Pipeline, WhatCannotBeProcessedIsRefused) {
   EXPECT_NE(messageOf([&] { pipeline.processMasks(masks); }).find("cam2"), std::string::npos);
   // and the pipeline is none the worse
   masks = sphereMasks(rig, Vec3::Zero(), 0.002);
-  EXPECT_EQ(pipeline.processMasks(masks).hand, HandState::kEmpty);
+  EXPECT_EQ(pipeline.processMasks(masks).state(), HandState::kEmpty);
   EXPECT_THROW(Pipeline(testGpu(), rig, builtInHand(false), {0}), Error);
   EXPECT_THROW(Pipeline(testGpu(), rig, builtInHand(false), {1'000'000'000}), Error);
 }

@@ -325,8 +325,8 @@ RgbaImage deformation(Gpu& gpu, const HandModel& hand, int voxels, const std::fu
     SceneMesh mesh;
     mesh.surface = surface.surface();
     scene.meshes.push_back(mesh);
-    if (frame->result.hand == HandState::kTracked)
-      scene.hand = drawn.at(workspaceFromWorld(scene.workspace) * frame->result.fit.world_from_hand);
+    if (const HandFit* fit = frame->result.trackedHand())
+      scene.hand = drawn.at(workspaceFromWorld(scene.workspace) * fit->pose.world_from_hand);
     scene.ground_z_m = low_z_m - 0.001;
     const int column = static_cast<int>(drawn_panels % 3), row = static_cast<int>(drawn_panels / 3);
     page.lay(painter.paint(scene, nearView(-0.62, 0.45, 0.86, Vec3(0.01, -0.02, 0.015))),

@@ -42,24 +42,24 @@ class Film {
       : images_(gpu, pipeline, sculpting.clay, sculpting.forearm), out_(sculpting.out) {
     if (sculpting.video)
       video_.emplace(*sculpting.video, VideoWriter::Options{SculptRenderer::kSize, rate_hz});
-    save(out_ / "before.png", images_.frame(std::nullopt));
+    save(out_ / "before.png", images_.frame({}));
   }
 
   void take(const FrameResult& result) {
-    std::optional<Pose> world_from_hand;
-    if (result.hand == HandState::kTracked) world_from_hand = result.fit.world_from_hand;
+    std::vector<HandPose> hands;
+    if (const HandFit* fit = result.trackedHand()) hands.push_back(fit->pose);
     const bool first_touch = !touched_ && result.clay.touched > 0;
     if (!video_ && !first_touch) return;
-    const RgbaImage image = images_.frame(world_from_hand);
+    const RgbaImage image = images_.frame(hands);
     if (video_) video_->write(image.rgba);
     if (!first_touch) return;
     touched_ = true;
     save(out_ / "touch.png", image);
-    save(out_ / "workings.png", images_.workings(world_from_hand));
+    save(out_ / "workings.png", images_.workings(hands));
   }
 
   void finish() {
-    save(out_ / "after.png", images_.frame(std::nullopt));
+    save(out_ / "after.png", images_.frame({}));
     if (video_) video_->finish();
   }
 

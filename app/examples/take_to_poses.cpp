@@ -25,8 +25,8 @@ int main(int argc, char** argv) {
     Player player(take, pipeline);
     std::vector<TimedPose> poses;
     while (const std::optional<PlayedFrame> frame = player.next())
-      if (frame->result.hand == HandState::kTracked)
-        poses.push_back({frame->time_s, frame->result.fit.world_from_hand});
+      if (const HandFit* hand = frame->result.trackedHand())
+        poses.push_back({frame->time_s, hand->pose.world_from_hand});
     writePoses(argv[2], poses);
     std::printf("%zu of %d frames tracked\n", poses.size(), take.frameCount());
   } catch (const Error& error) {

@@ -90,16 +90,27 @@ Symmetry readSymmetry(Line& line) {
   return symmetry;
 }
 
-std::optional<Pose> readHand(Line& line) {
-  const std::string first = line.word();
-  if (first == "nobody") return std::nullopt;
-  Pose pose = Pose::Identity();
-  for (int i = 0; i < 12; ++i) {
-    const std::optional<double> value = parseNumber(i == 0 ? first : line.word());
-    if (!value) line.fail("12 numbers for the hand, or `nobody`,");
-    pose.matrix()(i / 4, i % 4) = *value;
-  }
-  return pose;
+std::vector<HandPose> readHands(Line& line) {
+  std::string word = line.word();
+  if (word == "nobody") return {};
+  std::vector<HandPose> hands;
+  do {
+    if (!hands.empty()) word = line.word();  // after `and`
+    HandPose& pose = hands.emplace_back();
+    for (int i = 0; i < 12; ++i, word = line.word()) {
+      const std::optional<double> value = parseNumber(word);
+      if (!value) line.fail("12 numbers for the hand, or `nobody`,");
+      pose.world_from_hand.matrix()(i / 4, i % 4) = *value;
+    }
+    if (word == "joints") {
+      pose.joint_angles.resize(std::size_t(line.whole(1, kMaxHandJoints, "the number of joints")));
+      for (Vec3& angles : pose.joint_angles)
+        for (double& angle : angles) angle = line.number("a joint angle in radians");
+      word = line.word();
+    }
+  } while (word == "and" && hands.size() < kMaxHands);
+  if (!word.empty()) line.fail("`joints`, `and` and a second hand, or nothing more,");
+  return hands;
 }
 
 ToolChoice readTool(Line& line) {
@@ -120,7 +131,7 @@ ReplayFrame readFrame(Line& line, bool by_mouse) {
   frame.symmetry = readSymmetry(line);
   frame.held = line.whole(0, 1, "0 or 1 for the clutch") == 1;
   frame.filtered = line.whole(0, 1, "0 or 1 for the filter") == 1;
-  if (by_mouse) frame.given_hand = readHand(line);
+  if (by_mouse) frame.given_hands = readHands(line);
   const std::string more = by_mouse ? "" : line.word();
   if (more == "without")
     frame.missing_cameras = static_cast<std::uint32_t>(line.number("the missing cameras' bits"));
@@ -256,9 +267,16 @@ std::string lineOf(const ReplayFrame& frame, bool by_mouse) {
                      formatTool(frame.tool) + " " + wordOf(frame.symmetry) + (frame.held ? " 1" : " 0") +
                      (frame.filtered ? " 1" : " 0");
   if (frame.missing_cameras != 0) line += " without " + std::to_string(frame.missing_cameras);
-  if (by_mouse && !frame.given_hand) line += " nobody";
-  if (by_mouse && frame.given_hand)
-    for (int i = 0; i < 12; ++i) line += " " + exactNumber(frame.given_hand->matrix()(i / 4, i % 4));
+  if (by_mouse && frame.given_hands.empty()) line += " nobody";
+  for (std::size_t k = 0; k < frame.given_hands.size(); ++k) {
+    const HandPose& pose = frame.given_hands[k];
+    if (k > 0) line += " and";
+    for (int i = 0; i < 12; ++i) line += " " + exactNumber(pose.world_from_hand.matrix()(i / 4, i % 4));
+    if (pose.joint_angles.empty()) continue;
+    line += " joints " + std::to_string(pose.joint_angles.size());
+    for (const Vec3& angles : pose.joint_angles)
+      for (const double angle : angles) line += " " + exactNumber(angle);
+  }
   return line + "\n";
 }
 

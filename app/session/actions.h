@@ -16,7 +16,9 @@
 //                                       `pull:reach=12`, the symmetry (xyz or -), 1 while the clutch lets the
 //                                       hand shape the clay, 1 with the One Euro filter; then `without BITS`
 //                                       where cameras were missing, bit k the k-th; or, of the mouse's hand,
-//                                       12 numbers: world_from_hand, three rows of four; or `nobody`
+//                                       12 numbers: world_from_hand, three rows of four; then, of a hand that is
+//                                       not in the rest pose, `joints N` and 3 N numbers: HandPose::joint_angles;
+//                                       a second hand follows after `and`; or `nobody`
 //     stroke                            the stroke under way ended here
 //     undo | redo | refine | again      again: the source began anew, the hand is looked for
 //     empty                             the empty workspace is forgotten; frames that teach it anew follow
@@ -35,6 +37,7 @@
 
 #include "engine/clay/clay_state.h"
 #include "engine/core/math.h"
+#include "engine/hand/hand_pose.h"
 #include "engine/sculpt/tools.h"
 
 namespace airclay {
@@ -60,7 +63,7 @@ struct ReplayFrame {
   Symmetry symmetry;
   bool held = true, filtered = true;
   std::uint32_t missing_cameras = 0;  ///< bit mask of cameras without an image
-  std::optional<Pose> given_hand;     ///< the mouse hand's pose, if it is present
+  std::vector<HandPose> given_hands;  ///< of the mouse hand; empty without one
 };
 
 /// The recording's settings.

@@ -59,7 +59,7 @@ SculptRenderer::SculptRenderer(Gpu& gpu, const Pipeline& pipeline, const ClaySta
     ground_z_m_ = std::min(ground_z_m_, point.z() - workspace.center.z());
 }
 
-Scene SculptRenderer::scene(const std::optional<Pose>& world_from_hand) {
+Scene SculptRenderer::scene(std::span<const HandPose> hands) {
   Scene scene;
   scene.workspace = pipeline_.rig().workspace;
   scene.ground_z_m = ground_z_m_;
@@ -73,19 +73,20 @@ Scene SculptRenderer::scene(const std::optional<Pose>& world_from_hand) {
   surface_->evaluate(cage.points, scene.workspace);
   mesh.surface = surface_->surface();
   scene.meshes.push_back(mesh);
-  if (world_from_hand) scene.hand = hand_.at(workspaceFromWorld(scene.workspace) * *world_from_hand);
+  if (!hands.empty())
+    scene.hand = hand_.at(workspaceFromWorld(scene.workspace) * hands.front().world_from_hand);
   return scene;
 }
 
-RgbaImage SculptRenderer::frame(const std::optional<Pose>& world_from_hand) {
+RgbaImage SculptRenderer::frame(std::span<const HandPose> hands) {
   Orbit orbit;
   orbit.distance_m = 1.3 * pipeline_.rig().workspace.edge_m;
-  return painter_.paint(scene(world_from_hand), orbitView(orbit));
+  return painter_.paint(scene(hands), orbitView(orbit));
 }
 
-RgbaImage SculptRenderer::workings(const std::optional<Pose>& world_from_hand) {
+RgbaImage SculptRenderer::workings(std::span<const HandPose> hands) {
   const Clay& clay = pipeline_.clay();
-  Scene all = scene(world_from_hand);
+  Scene all = scene(hands);
   const double edge_m = all.workspace.edge_m;
   all.voxels = &pipeline_.carver();
   all.strokes = {cubeEdges(all.workspace), cameraFrusta(pipeline_.rig(), edge_m / 6)};

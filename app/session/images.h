@@ -51,13 +51,13 @@ class SculptRenderer {
   /// `pipeline` must outlive this and contain `clay`.
   SculptRenderer(Gpu& gpu, const Pipeline& pipeline, const ClayState& clay,
                  const std::optional<TriangleMesh>& forearm);
-  /// The current clay, and the hand if it is tracked.
-  RgbaImage frame(const std::optional<Pose>& world_from_hand);
+  /// The current clay and the first of `hands`.
+  RgbaImage frame(std::span<const HandPose> hands);
   /// Also shows cameras, workspace, voxels, cage and data points.
-  RgbaImage workings(const std::optional<Pose>& world_from_hand);
+  RgbaImage workings(std::span<const HandPose> hands);
 
  private:
-  Scene scene(const std::optional<Pose>& world_from_hand);
+  Scene scene(std::span<const HandPose> hands);
 
   const Pipeline& pipeline_;
   OffscreenRenderer painter_;

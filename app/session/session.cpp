@@ -27,7 +27,7 @@ constexpr auto kSilence = std::chrono::milliseconds(700);
 constexpr std::size_t kKeptLearnedBytes = std::size_t(128) << 20;
 
 TrackingState trustIn(const FrameResult& result) {
-  switch (result.hand) {
+  switch (result.state()) {
     case HandState::kEmpty:
       return TrackingState::kNoHand;
     case HandState::kLost:
@@ -36,9 +36,10 @@ TrackingState trustIn(const FrameResult& result) {
       break;
   }
   // a pose from a search has no motion to confirm it yet
+  const HandFit& fit = *result.trackedHand();
   const bool doubtful =
-      result.searched || result.fit.outside_m > kDoubtfulMetres ||
-      (result.fit.outside_fraction > kDoubtfulShare && result.fit.outside_m > kDoubtfulMetres / 2);
+      result.searched || fit.outside_m > kDoubtfulMetres ||
+      (fit.outside_fraction > kDoubtfulShare && fit.outside_m > kDoubtfulMetres / 2);
   return doubtful ? TrackingState::kUncertain : TrackingState::kTracking;
 }
 
@@ -253,13 +254,13 @@ bool Session::frameFromRecording() {
     std::vector<Mask> masks;
     for (std::size_t c = 0; c < set_.bytes.size(); ++c)
       masks.push_back({options_.rig.cameras[c].width, options_.rig.cameras[c].height, set_.bytes[c]});
-    next.result = pipeline_.trackMasks(masks);
+    next.result = pipeline_.trackMasks(masks, {done.missing_cameras, set_.camera_times_s});
   } else {
     copyImages(set_);
     if (next.learning)
       used = learn();
     else
-      next.result = pipeline_.trackImages(done.missing_cameras);
+      next.result = pipeline_.trackImages({done.missing_cameras, set_.camera_times_s});
   }
   reader_->ask();  // the rest of this frame uses only one core
   if (!next.learning) {
@@ -297,7 +298,7 @@ void Session::showSilence() {
     snapshot_.camera_problems = options_.recording->camera_problems();
     snapshot_.rate_hz = 0;
     snapshot_.trust = TrackingState::kNoHand;
-    snapshot_.world_from_hand.reset();
+    snapshot_.hands.clear();
   }
   if (options_.wake) options_.wake();
 }
@@ -336,7 +337,7 @@ bool Session::frameFromMouse() {
       currentInputs(now_s, last_frame_s_ >= 0 ? std::min(now_s - last_frame_s_, 0.1) : kMouseFrameS);
   {
     const std::lock_guard lock(mutex_);
-    if (mouse_hand_.present) done.given_hand = mouse_hand_.world_from_hand;
+    if (mouse_hand_.present) done.given_hands = {mouse_hand_.pose};
   }
   workOnMouseFrame(done);
   return true;
@@ -347,11 +348,11 @@ void Session::workOnMouseFrame(ReplayFrame done) {
   next.frame = static_cast<int>(replayed_mouse_frames_);
   next.time_s = done.time_s;
   next.captured_at = Clock::now();
-  if (done.given_hand) {
-    next.trust = TrackingState::kTracking;
-    next.result.fit.world_from_hand = *done.given_hand;
-    next.result.fit.tracked = true;
-    next.result.hand = HandState::kTracked;
+  if (!done.given_hands.empty()) next.trust = TrackingState::kTracking;
+  for (const HandPose& pose : done.given_hands) {
+    HandFit& fit = next.result.hands.emplace_back();
+    fit.pose = pose;
+    fit.tracked = true;
   }
   if (!options_.replay) done.held = !gripIsBarred(next) && done.held;
   sculpt(next, done);
@@ -404,30 +405,35 @@ ReplayFrame Session::currentInputs(double time_s, double step_s) const {
 
 void Session::sculpt(Snapshot& next, const ReplayFrame& done) {
   next.grip_barred = grip_ == Grip::kBarred;
-  if (!next.result.fit.tracked) {
-    pose_filter_.reset();
-    pipeline_.resetGivenHand();
+  for (const HandFit& fit : next.result.hands)
+    if (fit.tracked) next.hands.push_back(fit.pose);
+  if (done.filtered) filterPoses(next);
+  for (std::size_t k = done.filtered ? next.hands.size() : 0; k < kMaxHands; ++k) pose_filters_[k].reset();
+  if (next.hands.empty()) {
+    pipeline_.sculptWith({});
     follow(next, done);
     return;
   }
-  Pose pose = next.result.fit.world_from_hand;
-  if (done.filtered) {
-    pose = pose_filter_.filter(next.time_s, pose);
-    if (pose_filter_.speedMetresS() > kMovingMetresS) next.filter_lag_ms = 1000 * pose_filter_.latencyS();
-  } else {
-    pose_filter_.reset();
-  }
-  next.world_from_hand = pose;
   SculptControls controls;
   controls.tool = done.tool;
   controls.symmetry = done.symmetry;
   controls.frame_s = std::clamp(done.step_s, 1e-3, 0.1);
   controls.held = next.trust == TrackingState::kTracking && !turning_ && done.held;
-  const FrameResult step = pipeline_.sculptWith(pose, controls);
+  const FrameResult step = pipeline_.sculptWith(next.hands, controls);
   next.result.clay = step.clay;
   addStages(step.stage_ms, next.result.stage_ms);
   next.result.frame_ms += step.frame_ms;
   follow(next, done);
+}
+
+/// Smooths the hands' root transforms.
+void Session::filterPoses(Snapshot& next) {
+  for (std::size_t k = 0; k < next.hands.size(); ++k) {
+    Pose& root = next.hands[k].world_from_hand;
+    root = pose_filters_[k].filter(next.time_s, root);
+  }
+  if (!next.hands.empty() && pose_filters_[0].speedMetresS() > kMovingMetresS)
+    next.filter_lag_ms = 1000 * pose_filters_[0].latencyS();
 }
 
 /// Commits strokes to the document's history.

@@ -36,7 +36,7 @@ enum class Clutch {
 
 /// The hand that mouse and keys move.
 struct MouseHand {
-  Pose world_from_hand = Pose::Identity();
+  HandPose pose;
   bool present = false;
 };
 
@@ -60,7 +60,7 @@ struct Snapshot {
   bool ended = false;     ///< the take has ended
   bool silent = false;    ///< live cameras give no images
   TrackingState trust = TrackingState::kNoHand;
-  std::optional<Pose> world_from_hand;  ///< the pose that sculpts
+  std::vector<HandPose> hands;  ///< the tracked hands' poses as drawn; the first one sculpts
   FrameResult result;
   StageTimes stage_ms;  ///< of the last frames that were timed
   double decode_ms = 0;
@@ -217,6 +217,7 @@ class Session {
   void workOnMouseFrame(ReplayFrame done);
   void copyImages(const FrameSet& set);
   bool gripIsBarred(const Snapshot& next);
+  void filterPoses(Snapshot& next);
   void sculpt(Snapshot& next, const ReplayFrame& done);
   void follow(const Snapshot& next, const ReplayFrame& done);
   void endStroke();
@@ -243,7 +244,7 @@ class Session {
   std::optional<FrameReader> reader_;
   FrameSet set_;
   StrokeRecorder strokes_;
-  OneEuroPose pose_filter_;
+  std::array<OneEuroPose, kMaxHands> pose_filters_;  ///< one per hand
   Buffer<std::uint32_t> thumbnails_;
   std::array<std::vector<Thumbnail>, 2> thumbnail_places_;
   std::deque<Clock::time_point> frame_times_;

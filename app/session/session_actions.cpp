@@ -222,7 +222,7 @@ void Session::turnClay(const Action& action) {
 
 void Session::resetTracking() {
   pipeline_.resetTracking();
-  pose_filter_.reset();
+  for (OneEuroPose& filter : pose_filters_) filter.reset();
   grip_ = Grip::kFree;
 }
 

@@ -36,7 +36,7 @@ void Tracking::add(const PlayedFrame& frame, const Recording* recording) {
   if (frame.skew_s) skew_ms_.push_back(1000 * *frame.skew_s);
   decode_ms_.push_back(frame.decode_ms);
   const FrameResult& result = frame.result;
-  if (frame.background || result.hand == HandState::kEmpty) {
+  if (frame.background || result.state() == HandState::kEmpty) {
     ++empty_;
     return;  // its times would distort the statistics
   }
@@ -47,12 +47,12 @@ void Tracking::add(const PlayedFrame& frame, const Recording* recording) {
     if (stage == stage_ms_.end()) stage = stage_ms_.insert(stage_ms_.end(), {name, {}});
     stage->second.push_back(ms);
   }
-  if (result.hand == HandState::kLost) {
+  if (result.state() == HandState::kLost) {
     ++lost_;
     return;
   }
   ++tracked_;
-  const Pose& pose = result.fit.world_from_hand;
+  const Pose& pose = result.trackedHand()->pose.world_from_hand;
   poses_.push_back({frame.time_s, pose});
   if (!recording || !recording->truth()) return;
   const std::optional<Pose> truth = poseAt(*recording->truth(), frame.time_s, 1 / recording->rateHz());

@@ -315,8 +315,8 @@ void Panels::drawStatus(const Snapshot& snapshot, const Viewport& viewport, cons
   ImGui::Text("%.0f images/s drawn, %.0f frames/s tracked", meter.frameHz(), snapshot.rate_hz);
   ImGui::Text("Latency: %.0f ms", meter.latencyMs());
   if (session_.hasRecording()) {
-    const HandFit& fit = snapshot.result.fit;
-    if (fit.tracked) ImGui::Text("Skin outside the hull: %.0f %%", 100 * fit.outside_fraction);
+    if (const HandFit* fit = snapshot.result.trackedHand())
+      ImGui::Text("Skin outside the hull: %.0f %%", 100 * fit->outside_fraction);
     if (snapshot.skew_s)
       ImGui::Text("Camera skew: %.1f ms", 1000 * *snapshot.skew_s);
     else
@@ -400,9 +400,9 @@ void Panels::drawCamera(std::size_t c, const Session::Thumbnail& image, const Im
   insets_.push_back({&session_.thumbnails(), image.first, image.width, image.height, static_cast<int>(at.x),
                      static_cast<int>(at.y)});
   ImDrawList* draw = ImGui::GetBackgroundDrawList();
-  if (snapshot.result.fit.tracked) {
+  if (const HandFit* fit = snapshot.result.trackedHand()) {
     const float scale = static_cast<float>(image.width) / static_cast<float>(camera.width);
-    for (const auto& [a, b] : viewport.outline(c, snapshot.result.fit.world_from_hand))
+    for (const auto& [a, b] : viewport.outline(c, fit->pose.world_from_hand))
       draw->AddLine(ImVec2(at.x + scale * float(a.x()), at.y + scale * float(a.y())),
                     ImVec2(at.x + scale * float(b.x()), at.y + scale * float(b.y())), 0xFFFFFFFFu, 1.2f);
   }
@@ -416,7 +416,7 @@ void Panels::drawHint(const Snapshot& snapshot, const Viewport& viewport) {
   } else if (viewport.gapMetres()) {
     const double gap_mm = 1000 * *viewport.gapMetres();
     text = gap_mm > 0.5 ? fixed(gap_mm, 0) + " mm to the clay" : "Touching";
-  } else if (!session_.hasRecording() && !snapshot.world_from_hand) {
+  } else if (!session_.hasRecording() && snapshot.hands.empty()) {
     text = "Drag to move the hand into view. F1: keys";
   }
   if (text.empty()) return;

@@ -69,7 +69,7 @@ class Studio {
       settings_.clutch_key = StudioSettings().clutch_key;
       bindKeys();
     }
-    mouse_hand_.world_from_hand.translation() =
+    mouse_hand_.pose.world_from_hand.translation() =
         session.rig.workspace.center + Vec3(0, -0.35 * session.rig.workspace.edge_m, 0);
   }
 
@@ -134,7 +134,7 @@ class Studio {
     window_.show(recorder_);
     renewStages(recorder_.stageMs(), render_ms_);
     std::optional<double> latency_ms;
-    if (snapshot.serial != drawn_serial_ && snapshot.world_from_hand)
+    if (snapshot.serial != drawn_serial_ && !snapshot.hands.empty())
       latency_ms = 1000 * secondsBetween(snapshot.captured_at, Clock::now());
     if (session_.hasRecording() && snapshot.serial != drawn_serial_)
       last_change_ = last_frame_ = Clock::now();
@@ -251,13 +251,13 @@ class Studio {
     if (dragged(1) || (!has_hand && dragged(0))) view_.orbit(drag);
     if (dragged(2)) view_.pan(drag, window_.height());
     if (has_hand && io.KeyShift)
-      mouse_hand_.world_from_hand.pretranslate(0.01 * io.MouseWheel * view_.forward());
+      mouse_hand_.pose.world_from_hand.pretranslate(0.01 * io.MouseWheel * view_.forward());
     else
       view_.zoom(io.MouseWheel);
     if (has_hand && ImGui::IsMouseDown(0)) mouse_hand_.present = true;
     if (has_hand && dragged(0)) {
       const double m = view_.metresAPixel(window_.height());
-      mouse_hand_.world_from_hand.pretranslate(m * (drag.x() * view_.right() - drag.y() * view_.up()));
+      mouse_hand_.pose.world_from_hand.pretranslate(m * (drag.x() * view_.right() - drag.y() * view_.up()));
     }
   }
 
@@ -276,7 +276,7 @@ class Studio {
       turning_clay_ = turning;
     }
     if (session_.hasRecording()) return;
-    Pose& hand = mouse_hand_.world_from_hand;
+    Pose& hand = mouse_hand_.pose.world_from_hand;
     hand.pretranslate(0.15 * step_s * direction(GLFW_KEY_W, GLFW_KEY_S) * view_.forward());
     const Vec3 turn = direction(GLFW_KEY_L, GLFW_KEY_J) * Vec3::UnitZ() +
                       direction(GLFW_KEY_K, GLFW_KEY_I) * view_.right() +

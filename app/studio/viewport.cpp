@@ -37,7 +37,7 @@ std::vector<double> keyOf(const Session::ClayOnDevice& clay, const Snapshot& sna
     key.insert(key.end(), matrix.data(), matrix.data() + matrix.size());
   };
   add(frame.view.camera_from_workspace);
-  if (snapshot.world_from_hand) add(*snapshot.world_from_hand);
+  for (const HandPose& hand : snapshot.hands) add(hand.world_from_hand);
   return key;
 }
 
@@ -116,8 +116,9 @@ SurfaceBuffers Viewport::recordSurface(Recorder& recorder, const Session::ClayOn
 void Viewport::record(Recorder& recorder, const Session::ClayOnDevice& clay, const Snapshot& snapshot,
                       const StudioSettings& settings, const ViewportFrame& frame) {
   std::optional<Pose> workspace_from_hand;
-  if (snapshot.world_from_hand)
-    workspace_from_hand = workspaceFromWorld(session_.rig().workspace) * *snapshot.world_from_hand;
+  if (!snapshot.hands.empty())
+    workspace_from_hand =
+        workspaceFromWorld(session_.rig().workspace) * snapshot.hands.front().world_from_hand;
   measure(snapshot, workspace_from_hand);
 
   Renderer& renderer = rendererFor(frame.width, frame.height, frame.moving);

@@ -39,16 +39,19 @@ std::optional<PlayedFrame> Player::next(const SculptControls& controls) {
   PlayedFrame played;
   played.frame = next_++;
   played.time_s = recording_.timeOf(played.frame);
-  played.skew_s = skewOf(recording_.cameraTimesOf(played.frame));
+  FrameInput input;
+  input.camera_times_s = recording_.cameraTimesOf(played.frame);
+  played.skew_s = skewOf(input.camera_times_s);
   played.background = played.frame < recording_.backgroundFrames();
   const auto start = Clock::now();
   readFrame(played.frame);
   played.decode_ms = millisecondsSince(start);
+  input.missing_cameras = recording_.missingCameras();
   if (played.background)
     pipeline_.learnBackground();
   else
-    played.result = recording_.hasSilhouettes() ? pipeline_.processMasks(masks_, controls)
-                                                : pipeline_.processImages(controls);
+    played.result = recording_.hasSilhouettes() ? pipeline_.processMasks(masks_, controls, input)
+                                                : pipeline_.processImages(controls, input);
   return played;
 }
 

@@ -46,23 +46,13 @@ FitModel thinned(const FitModel& model, int step) {
   return thin;
 }
 
-Pose worldFromHand(const GpuFit& fit, const FitModel& model, const Workspace& workspace) {
-  const Vec3 position = fit.position.cast<double>();
-  Pose world_from_hand = Pose::Identity();
-  world_from_hand.linear() =
-      Eigen::Quaterniond(fit.rotation[3], fit.rotation[0], fit.rotation[1], fit.rotation[2])
-          .normalized()
-          .toRotationMatrix();
-  world_from_hand.translation() =
-      workspace.center + position - world_from_hand.linear() * model.center_of_mass;
-  return world_from_hand;
+HandPoseFrame poseFrame(const FitModel& model, const Workspace& workspace) {
+  return {model.center_of_mass, workspace.center};
 }
 
-GpuFit fitFromPose(const Pose& world_from_hand, const FitModel& model, const Workspace& workspace) {
+GpuFit fitAt(const HandPose& start, const FitModel& model, const Workspace& workspace) {
   GpuFit fit{};
-  const Eigen::Quaterniond q(world_from_hand.linear());
-  fit.rotation = q.coeffs().cast<float>();
-  fit.position = (world_from_hand * model.center_of_mass - workspace.center).cast<float>();
+  fit.pose = gpuHandPose(start, poseFrame(model, workspace));
   return fit;
 }
 

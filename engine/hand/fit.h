@@ -7,6 +7,7 @@
 #pragma once
 
 #include "engine/hand/hand_model.h"
+#include "engine/hand/hand_pose.h"
 #include "engine/hull/distance.h"
 #include "shaders/hand/fit_io.h"
 
@@ -19,9 +20,9 @@ enum class FitOutcome {
   kOutOfIterations = kFitOutOfIterations,  ///< still moving at the iteration limit
 };
 
-/// Where the hand was found.
+/// A hand that was found in the voxel model.
 struct HandFit {
-  Pose world_from_hand = Pose::Identity();
+  HandPose pose;
   FitOutcome outcome = FitOutcome::kOutOfIterations;
   int iterations = 0;
   double outside_m = 0;         ///< how far outside the patches are on average, by area
@@ -56,9 +57,10 @@ struct FitLimits {
 GpuFit fitReference(const FitModel& model, const std::vector<double>& field, const FieldGrid& grid,
                     const GpuFit& start, const FitLimits& limits);
 
-/// world_from_hand of a fit on the device, and back.
-Pose worldFromHand(const GpuFit& fit, const FitModel& model, const Workspace& workspace);
-GpuFit fitFromPose(const Pose& world_from_hand, const FitModel& model, const Workspace& workspace);
+/// What the poses of fits refer to.
+HandPoseFrame poseFrame(const FitModel& model, const Workspace& workspace);
+/// A start at a pose.
+GpuFit fitAt(const HandPose& start, const FitModel& model, const Workspace& workspace);
 
 /// A batch of hypotheses on the device.
 class Fitter {

@@ -48,8 +48,8 @@ GpuFit fitReference(const FitModel& model, const std::vector<double>& field, con
   // fit.comp explains these
   constexpr double inertia_share = 0.01, max_turn = 0.25, max_shift = 0.03, stall_shift = 2e-5,
                    stall_turn = 2e-4;
-  Eigen::Quaterniond rotation(start.rotation[3], start.rotation[0], start.rotation[1], start.rotation[2]);
-  Vec3 position = start.position.cast<double>();
+  Eigen::Quaterniond rotation(Eigen::Vector4d(start.pose.rotation.cast<double>()));
+  Vec3 position = start.pose.position.cast<double>();
   GpuFit result = start;
   result.outcome = kFitOutOfIterations;
   for (result.iterations = 0;; ++result.iterations) {
@@ -77,8 +77,8 @@ GpuFit fitReference(const FitModel& model, const std::vector<double>& field, con
     position += delta.head<3>();
     rotation = (Eigen::Quaterniond(rotationFromVector(delta.tail<3>())) * rotation).normalized();
   }
-  result.rotation = rotation.coeffs().cast<float>();
-  result.position = position.cast<float>();
+  result.pose.rotation = rotation.coeffs().cast<float>();
+  result.pose.position = position.cast<float>();
   return result;
 }
 

@@ -35,13 +35,13 @@ double score(const GpuFit& fit, double uncovered) {
 }
 
 Eigen::Quaterniond rotationOf(const GpuFit& fit) {
-  return Eigen::Quaterniond(fit.rotation[3], fit.rotation[0], fit.rotation[1], fit.rotation[2]);
+  return Eigen::Quaterniond(Eigen::Vector4d(fit.pose.rotation.cast<double>()));
 }
 
-GpuFit fitAt(const Eigen::Quaterniond& rotation, const Vec3& position) {
+GpuFit startAt(const Eigen::Quaterniond& rotation, const Vec3& position) {
   GpuFit fit{};
-  fit.rotation = rotation.coeffs().cast<float>();
-  fit.position = position.cast<float>();
+  fit.pose.rotation = rotation.coeffs().cast<float>();
+  fit.pose.position = position.cast<float>();
   return fit;
 }
 
@@ -59,11 +59,11 @@ std::vector<Eigen::Quaterniond> spreadRotations(int count) {
   return rotations;
 }
 
-FieldGrid gridAround(const Carver& carver, const FitModel& model, const GpuFit& fit) {
-  const Mat3 turn = rotationOf(fit).normalized().toRotationMatrix();
+FieldGrid gridAround(const Carver& carver, const FitModel& model, const GpuHandPose& pose) {
+  const Mat3 turn = rotationOf(pose).toRotationMatrix();
   Eigen::AlignedBox3d box;
   for (const GpuPatch& patch : model.patches) box.extend(Vec3(turn * patch.center.cast<double>()));
-  return placeField(carver, fit.position.cast<double>() + box.center(),
+  return placeField(carver, pose.position.cast<double>() + box.center(),
                     0.5 * box.sizes() + Vec3::Constant(kReachAround));
 }
 
@@ -78,7 +78,9 @@ HandTracker::HandTracker(Gpu& gpu, const GpuRig& rig, const HandModel& hand, con
       // 5 mm: it only tells covered cells of a centimetre from uncovered ones
       hand_distance_(signedDistanceGrid(hand.skin, 0.005, 0.02)),
       fits_(gpu, kMaxFits, Memory::kHost),
-      result_(gpu, 1, Memory::kHost) {
+      result_(gpu, 1, Memory::kHost),
+      hands_(gpu, kMaxHands, Memory::kHost) {
+  std::ranges::fill(hands_.host(), GpuHandPose{});
   Eigen::AlignedBox3d box;
   for (const Vec3& vertex : hand.skin.vertices) box.extend(vertex);
   hand_low_ = box.min();
@@ -98,6 +100,7 @@ FitChooseArgs HandTracker::chooseArgs(std::uint32_t count, double cell_m) const 
   args.fits = fits_;
   args.hull = carver_.sums();
   args.result = result_;
+  args.hand = hands_;
   args.count = count;
   args.min_occupied = min_occupied_;
   args.lost_outside_m = static_cast<float>(std::max(kLostMetres, kLostCells * cell_m));
@@ -110,11 +113,12 @@ void HandTracker::recordTracking(Recorder& recorder) {
   if (frames_ >= 2) {
     // the same motion once more
     const Eigen::Quaterniond turn = rotationOf(last_) * rotationOf(before_last_).conjugate();
-    const Vec3 position = last_.position.cast<double>(), before = before_last_.position.cast<double>();
-    fits_.host()[1] = fitAt((turn * rotationOf(last_)).normalized(), 2 * position - before);
+    const Vec3 position = last_.pose.position.cast<double>(), before = before_last_.pose.position.cast<double>();
+    fits_.host()[1] = startAt((turn * rotationOf(last_)).normalized(), 2 * position - before);
+    std::ranges::copy(last_.pose.joint_angles, fits_.host()[1].pose.joint_angles);
     count = 2;
   }
-  const FieldGrid grid = gridAround(carver_, model(), last_);
+  const FieldGrid grid = gridAround(carver_, model(), last_.pose);
   field_.record(recorder, carver_, grid);
   fitter_.record(recorder, field_, grid, fits_, count, {});
   recorder.dispatch(choose_, chooseArgs(count, grid.cell_m), 1);
@@ -123,12 +127,12 @@ void HandTracker::recordTracking(Recorder& recorder) {
 HandFit HandTracker::finish() {
   const GpuFit& found = result_.host()[0];
   HandFit fit;
-  fit.world_from_hand = worldFromHand(found, model(), rig_.rig().workspace);
+  fit.pose = handPose(found.pose, poseFrame(model(), rig_.rig().workspace));
   fit.outcome = static_cast<FitOutcome>(found.outcome);
   fit.iterations = static_cast<int>(found.iterations);
   fit.outside_m = found.outside_m;
   fit.outside_fraction = found.outside_fraction;
-  fit.tracked = found.tracked != 0;
+  fit.tracked = found.pose.tracked != 0;
   if (fit.tracked) {
     before_last_ = last_;
     last_ = found;
@@ -152,7 +156,7 @@ std::vector<Vec3> HandTracker::occupiedCells(const FieldGrid& grid) const {
 
 double HandTracker::uncovered(const GpuFit& fit, const std::vector<Vec3>& cells, double cell_m) const {
   const Mat3 hand_from_workspace = rotationOf(fit).normalized().toRotationMatrix().transpose();
-  const Vec3 position = fit.position.cast<double>();
+  const Vec3 position = fit.pose.position.cast<double>();
   int near = 0, bare = 0;
   for (const Vec3& cell : cells) {
     const Vec3 in_hand = hand_from_workspace * (cell - position) + model().center_of_mass;
@@ -175,7 +179,7 @@ void HandTracker::keepBest(std::vector<Candidate>& candidates, const std::vector
   std::vector<Candidate> kept;
   for (const Candidate& candidate : candidates) {
     const bool new_pose = std::none_of(kept.begin(), kept.end(), [&](const Candidate& other) {
-      return (candidate.fit.position - other.fit.position).norm() < kSamePlace &&
+      return (candidate.fit.pose.position - other.fit.pose.position).norm() < kSamePlace &&
              rotationOf(candidate.fit).angularDistance(rotationOf(other.fit)) < kSameTurn;
     });
     if (new_pose) kept.push_back(candidate);
@@ -201,7 +205,7 @@ std::vector<GpuFit> HandTracker::searchStarts(const std::vector<Vec3>& cells) co
   std::vector<GpuFit> fits;
   for (const Vec3& position : {mean, Vec3(mean + along), Vec3(mean - along)})
     for (const Eigen::Quaterniond& rotation : spreadRotations(kCoarseRotations))
-      fits.push_back(fitAt(rotation, position));
+      fits.push_back(startAt(rotation, position));
   return fits;
 }
 
@@ -252,7 +256,7 @@ bool HandTracker::search(Recorder& recorder, StageTimes& stage_ms) {
 
   // around the best, in cells as small as a box for any turn of the hand allows; the others are mostly the
   // same place turned
-  const FieldGrid fine = placeField(carver_, candidates.front().fit.position.cast<double>(),
+  const FieldGrid fine = placeField(carver_, candidates.front().fit.pose.position.cast<double>(),
                                     Vec3::Constant(model().radius_m + kReachAround));
   recordField(recorder, fine, stage_ms);
   candidates = fitAll(recorder, fitter_, fine, starts(candidates), FitLimits{}.iterations, stage_ms);

@@ -28,8 +28,8 @@ class HandTracker {
   /// from. False when nothing there could be a hand. Stage times of its submissions are added to `stage_ms`.
   bool search(Recorder& recorder, StageTimes& stage_ms);
 
-  /// The result on the device: element 0.
-  const Buffer<GpuFit>& result() const { return result_; }
+  /// The hands on the device: element k is hand k, up to kMaxHands. So far only the first is tracked.
+  const Buffer<GpuHandPose>& hands() const { return hands_; }
   /// Takes the result of the finished submission as the last pose when it is believable, forgets the hand
   /// when it is not.
   HandFit finish();
@@ -63,6 +63,7 @@ class HandTracker {
   DistanceGrid hand_distance_;  ///< hand frame: how far a cell is from the hand
   Vec3 hand_low_, hand_high_;   ///< the skin's box, hand frame about the centre of gravity
   Buffer<GpuFit> fits_, result_;
+  Buffer<GpuHandPose> hands_;
   std::uint32_t min_occupied_ = 0;
   bool has_pose_ = false;
   GpuFit last_{}, before_last_{};
@@ -70,7 +71,7 @@ class HandTracker {
 };
 
 /// The cells around the skin in that pose, and as far as a hand moves between two frames.
-FieldGrid gridAround(const Carver& carver, const FitModel& model, const GpuFit& fit);
+FieldGrid gridAround(const Carver& carver, const FitModel& model, const GpuHandPose& pose);
 
 /// `count` rotations spread evenly over all (Alexa 2022, "Super-Fibonacci Spirals: Fast, Low-Discrepancy
 /// Sampling of SO(3)").

@@ -32,11 +32,11 @@ ContactFrame::ContactFrame(Gpu& gpu, const DistanceGrid& hand, std::uint32_t dat
   groups_ = {rows.x, rows.y, project_groups, apply_groups, 1};
 }
 
-void ContactFrame::recordBegin(Recorder& recorder, const Buffer<GpuFit>& fit, bool held,
+void ContactFrame::recordBegin(Recorder& recorder, const Buffer<GpuHandPose>& hands, bool held,
                                std::uint32_t images) {
   groups_.images = images;
   ContactBeginArgs begin{};
-  begin.fit = fit;
+  begin.hand = hands;
   begin.frame = state_;
   begin.clay_from_workspace = clay_from_workspace_.coeffs().cast<float>();
   begin.groups = groups_;

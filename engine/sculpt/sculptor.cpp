@@ -36,9 +36,9 @@ void Sculptor::recordCheck(Recorder& recorder, bool first) {
   tool().recordCheck(recorder, controls_.tool, controls_.frame_s, first);
 }
 
-void Sculptor::record(Recorder& recorder, const Buffer<GpuFit>& fit, const SculptControls& controls) {
+void Sculptor::record(Recorder& recorder, const Buffer<GpuHandPose>& hands, const SculptControls& controls) {
   takeControls(controls);
-  frame_.recordBegin(recorder, fit, controls_.held, tool().imagesPerPoint());
+  frame_.recordBegin(recorder, hands, controls_.held, tool().imagesPerPoint());
   recordCheck(recorder, true);
   if (!solver_->onDevice()) return;
   const RawBuffer& groups = frame_.groups();

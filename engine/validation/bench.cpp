@@ -242,9 +242,9 @@ void timeHand(Scene& scene, int voxels, std::vector<StageTiming>& timings) {
   const Workspace& workspace = scene.rig.workspace;
   // as in tracking: the last pose, and the same motion once more
   const Pose last = *scene.cameras.pose(kPressingFrame - 1), before = *scene.cameras.pose(kPressingFrame - 2);
-  const std::vector<GpuFit> starts = {fitFromPose(last, model, workspace),
-                                      fitFromPose(last * before.inverse() * last, model, workspace)};
-  const FieldGrid grid = gridAround(carver, model, starts[0]);
+  const std::vector<GpuFit> starts = {fitAt({last, {}}, model, workspace),
+                                      fitAt({last * before.inverse() * last, {}}, model, workspace)};
+  const FieldGrid grid = gridAround(carver, model, starts[0].pose);
   DistanceField field(scene.gpu);
   std::vector<double> distances;
 
@@ -388,10 +388,9 @@ StageTiming timeClay(Scene& scene) {
     if (deepest(grid, *scene.cameras.pose(deep), model, surface.points) < 0) away = deep;
     ++deep;
   }
-  Buffer<GpuFit> hand_at(scene.gpu, 1, Memory::kHost);
+  Buffer<GpuHandPose> hand_at(scene.gpu, 1, Memory::kHost);
   const auto put = [&](int frame) {
-    hand_at.host()[0] = fitFromPose(*scene.cameras.pose(frame), model, scene.rig.workspace);
-    hand_at.host()[0].tracked = 1;
+    hand_at.host()[0] = gpuHandPose({*scene.cameras.pose(frame), {}}, poseFrame(model, scene.rig.workspace));
   };
   Recorder recorder(scene.gpu);
   Stage stage;

@@ -196,10 +196,6 @@ VoxelGrid compareHull(Scene& scene, Comparisons& comparisons) {
 
 // --- hand pose ---
 
-Eigen::Quaterniond rotationOf(const GpuFit& fit) {
-  return Eigen::Quaterniond(fit.rotation.cast<double>()).normalized();
-}
-
 /// Poses about the true one, as the hand may have been a frame or some before. Workspace's frame.
 std::vector<GpuFit> startsAround(const Pose& truth, const FitModel& model, const Workspace& workspace) {
   std::vector<GpuFit> starts;
@@ -209,7 +205,7 @@ std::vector<GpuFit> startsAround(const Pose& truth, const FitModel& model, const
     Pose pose = truth;
     pose.linear() = rotationFromVector(degrees * M_PI / 180 * axis) * truth.linear();
     pose.translation() += shift_m * axis.cross(Vec3(0.36, 0.48, 0.8));
-    starts.push_back(fitFromPose(pose, model, workspace));
+    starts.push_back(fitAt({pose, {}}, model, workspace));
   }
   return starts;
 }
@@ -233,10 +229,10 @@ FitDifference compareFits(Scene& scene, const DistanceField& field, const FieldG
   FitDifference difference;
   for (std::size_t i = 0; i < starts.size(); ++i) {
     const GpuFit expected = fitReference(fitter.model(), distances, grid, starts[i], limits);
-    const Vec3 apart_m = found[i].position.cast<double>() - expected.position.cast<double>();
+    const Vec3 apart_m = found[i].pose.position.cast<double>() - expected.pose.position.cast<double>();
     difference.position_m = larger(apart_m.norm(), difference.position_m);
     difference.rotation =
-        larger(rotationOf(found[i]).angularDistance(rotationOf(expected)), difference.rotation);
+        larger(rotationOf(found[i].pose).angularDistance(rotationOf(expected.pose)), difference.rotation);
   }
   return difference;
 }
@@ -246,6 +242,7 @@ void compareChoice(Scene& scene, Comparisons& comparisons) {
   std::size_t different = 0;
   const Kernel<FitChooseArgs> choose(scene.gpu, "fit_choose", fit_choose_comp);
   const Buffer<GpuFit> result(scene.gpu, 1);
+  const Buffer<GpuHandPose> hand(scene.gpu, 1);
   for (const std::vector<float>& outside_m :
        {std::vector<float>{0.003f, 0.001f, 0.001f}, std::vector<float>{0.009f, 0.008f}}) {
     std::vector<GpuFit> hypotheses(outside_m.size());
@@ -258,6 +255,7 @@ void compareChoice(Scene& scene, Comparisons& comparisons) {
     args.fits = fits;
     args.hull = scene.carver.sums();
     args.result = result;
+    args.hand = hand;
     args.count = static_cast<std::uint32_t>(hypotheses.size());
     args.min_occupied = 1;
     args.lost_outside_m = 0.002f;
@@ -267,7 +265,7 @@ void compareChoice(Scene& scene, Comparisons& comparisons) {
     const GpuFit chosen = result.download().front();
     const auto least = std::min_element(outside_m.begin(), outside_m.end());
     different += chosen.iterations != std::size_t(least - outside_m.begin());
-    different += (chosen.tracked != 0) != (*least <= args.lost_outside_m);
+    different += (hand.download().front().tracked != 0) != (*least <= args.lost_outside_m);
   }
   comparisons.add("fit choice, wrong ones", double(different), 0);
 }
@@ -276,7 +274,7 @@ void compareHand(Scene& scene, const VoxelGrid& hull, Comparisons& comparisons) 
   Fitter fitter(scene.gpu, fitModel(builtInHand(false)));
   const FitModel& model = fitter.model();
   const Pose truth = *scene.cameras.pose(kPressingFrame);
-  const FieldGrid grid = gridAround(scene.carver, model, fitFromPose(truth, model, scene.rig.workspace));
+  const FieldGrid grid = gridAround(scene.carver, model, fitAt({truth, {}}, model, scene.rig.workspace).pose);
   DistanceField field(scene.gpu);
   scene.recorder.begin();
   field.record(scene.recorder, scene.carver, grid);
@@ -386,7 +384,7 @@ void compareContact(Scene& scene, Comparisons& comparisons) {
       dataPoints(subdivide(cage, 2, SubdivisionRule::kCatmullClark).matrix, cage.points);
   const Buffer<vec3> data_points(scene.gpu, floats(surface));
   const std::vector<Vec3> rounded = doubles(data_points.download());
-  Buffer<GpuFit> fit(scene.gpu, 1, Memory::kHost);
+  Buffer<GpuHandPose> hands(scene.gpu, 1, Memory::kHost);
   ContactFrame contact_frame(scene.gpu, grid, static_cast<std::uint32_t>(surface.size()));
   ContactFinder finder(scene.gpu, contact_frame);
   std::vector<ContactPoint> points(surface.size());
@@ -394,13 +392,13 @@ void compareContact(Scene& scene, Comparisons& comparisons) {
   double error_m = 0;
   std::size_t reached = 0;
   for (int frame = scene.cameras.backgroundFrames(); frame <= kPressingFrame; frame += 2) {
-    fit.host()[0] = fitFromPose(*scene.cameras.pose(frame), model, scene.rig.workspace);
-    fit.host()[0].tracked = 1;
+    hands.host()[0] =
+        gpuHandPose({*scene.cameras.pose(frame), {}}, poseFrame(model, scene.rig.workspace));
     scene.recorder.begin();
-    contact_frame.recordBegin(scene.recorder, fit, true);
+    contact_frame.recordBegin(scene.recorder, hands, true);
     finder.recordCheck(scene.recorder, data_points, true);
     scene.recorder.submitAndWait();
-    const ContactPose now{rotationOf(fit.host()[0]), fit.host()[0].position.cast<double>()};
+    const ContactPose now{rotationOf(hands.host()[0]), hands.host()[0].position.cast<double>()};
     const bool start = frame == scene.cameras.backgroundFrames();
     const std::vector<GpuContactPoint> found = finder.points();
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -431,15 +429,14 @@ struct ToolScene {
         data_points(scene.gpu, floats(dataPoints(subdivision.matrix, cage.points))),
         points(doubles(data_points.download())),
         frame(scene.gpu, grid, static_cast<std::uint32_t>(points.size())),
-        fit(scene.gpu, 1, Memory::kHost) {
+        hands(scene.gpu, 1, Memory::kHost) {
     moveHand(scene, kPressingFrame);
   }
   void moveHand(const Scene& scene, int at_frame) {
-    fit.host()[0] =
-        fitFromPose(*scene.cameras.pose(at_frame), fitModel(builtInHand(false)), scene.rig.workspace);
-    fit.host()[0].tracked = 1;
+    hands.host()[0] = gpuHandPose({*scene.cameras.pose(at_frame), {}},
+                                  poseFrame(fitModel(builtInHand(false)), scene.rig.workspace));
   }
-  ContactPose pose() const { return {rotationOf(fit.host()[0]), fit.host()[0].position.cast<double>()}; }
+  ContactPose pose() const { return {rotationOf(hands.host()[0]), hands.host()[0].position.cast<double>()}; }
 
   PolygonMesh cage = presetCage("tube");
   DistanceGrid grid;
@@ -447,7 +444,7 @@ struct ToolScene {
   Buffer<vec3> data_points;
   std::vector<Vec3> points;
   ContactFrame frame;
-  Buffer<GpuFit> fit;
+  Buffer<GpuHandPose> hands;
 };
 
 /// Taken hold of at one pose, carried to another.
@@ -458,7 +455,7 @@ void compareGrip(Scene& scene, Comparisons& comparisons) {
   Grip grip(scene.gpu, tools.frame);
   const auto check = [&] {
     scene.recorder.begin();
-    tools.frame.recordBegin(scene.recorder, tools.fit, true);
+    tools.frame.recordBegin(scene.recorder, tools.hands, true);
     grip.recordCheck(scene.recorder, tools.data_points, true);
     scene.recorder.submitAndWait();
     return grip.points();
@@ -495,7 +492,7 @@ void compareRelax(Scene& scene, Comparisons& comparisons) {
   constexpr float kStrength = 1;
   for (int i = 0; i < 2; ++i) {  // the first tells only where the hand is
     scene.recorder.begin();
-    tools.frame.recordBegin(scene.recorder, tools.fit, true);
+    tools.frame.recordBegin(scene.recorder, tools.hands, true);
     relaxer.record(scene.recorder, tools.data_points, device_normals, kStrength);
     scene.recorder.submitAndWait();
   }

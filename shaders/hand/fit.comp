@@ -135,8 +135,8 @@ void solveStep(float sums[kSums], vec4 rotation, out float delta[6]) {
 
 void main() {
   const uint hypothesis = gl_WorkGroupID.x;
-  vec4 rotation = args.fits.at[hypothesis].rotation;
-  vec3 position = args.fits.at[hypothesis].position;
+  vec4 rotation = args.fits.at[hypothesis].pose.rotation;
+  vec3 position = args.fits.at[hypothesis].pose.position;
   float sums[kSums];
   uint outcome = kFitOutOfIterations, iteration = 0;
   for (;; ++iteration) {
@@ -165,8 +165,8 @@ void main() {
     rotation = normalize(multiply(vec4(axis * sin(0.5 * angle), cos(0.5 * angle)), rotation));
   }
   if (gl_LocalInvocationID.x != 0) return;
-  args.fits.at[hypothesis].rotation = rotation;
-  args.fits.at[hypothesis].position = position;
+  args.fits.at[hypothesis].pose.rotation = rotation;
+  args.fits.at[hypothesis].pose.position = position;
   args.fits.at[hypothesis].outside_m = sums[kOutside] / args.patch_area;
   args.fits.at[hypothesis].outside_fraction = sums[kCount] / float(args.patch_count);
   args.fits.at[hypothesis].outside_count = uint(sums[kCount] + 0.5);

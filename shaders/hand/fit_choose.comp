@@ -13,6 +13,7 @@ void main() {
     if (args.fits.at[i].outside_m < args.fits.at[best].outside_m) best = i;
   GpuFit fit = args.fits.at[best];
   const bool somebody = args.hull.at[0].occupied >= args.min_occupied;
-  fit.tracked = somebody && fit.outside_m <= args.lost_outside_m ? 1 : 0;
+  fit.pose.tracked = somebody && fit.outside_m <= args.lost_outside_m ? 1 : 0;
   args.result.at[0] = fit;
+  args.hand.at[0] = fit.pose;
 }

@@ -3,6 +3,7 @@
 #ifndef AIRCLAY_FIT_IO_H
 #define AIRCLAY_FIT_IO_H
 
+#include "shaders/hand/hand_pose_io.h"
 #include "shaders/hull/distance_io.h"
 
 AIRCLAY_IO_BEGIN
@@ -22,16 +23,14 @@ const uint kFitIncluded = 0;
 const uint kFitStalled = 1;
 const uint kFitOutOfIterations = 2;
 
-// A start pose and the fit's result. The centre of gravity's position is in the workspace frame.
+// A start pose and the fit's result. The fit moves the root; the joint angles stay as given.
 struct GpuFit {
-  vec4 rotation;           // unit quaternion x y z w: workspace_from_hand
-  vec3 position;           // metres
+  GpuHandPose pose;
   float outside_m;         // how far outside the patches are on average, weighted by area
   float outside_fraction;  // fraction of the patches that are outside
   uint outside_count;
   uint iterations;
   uint outcome;
-  uint tracked;  // 1 if the result is reliable
 };
 
 READ_POINTER(ReadFits, GpuFit)
@@ -59,6 +58,7 @@ struct FitChooseArgs {
   ReadFits fits;
   ReadHullSums hull;
   WriteFits result;
+  WriteHandPoses hand;  // the result's pose
   uint count;
   uint min_occupied;     // voxels: fewer cannot be a hand
   float lost_outside_m;  // if the patches are farther outside than this on average, the fit has failed

@@ -9,12 +9,11 @@ layout(local_size_x = 1) in;
 layout(push_constant, scalar) uniform Push { ContactBeginArgs args; };
 
 void main() {
-  const GpuFit fit = args.fit.at[0];
-  const vec4 rotation = multiply(args.clay_from_workspace, fit.rotation);
-  const vec3 position = rotate(args.clay_from_workspace, fit.position);
+  const vec4 rotation = multiply(args.clay_from_workspace, args.hand.at[0].rotation);
+  const vec3 position = rotate(args.clay_from_workspace, args.hand.at[0].position);
   GpuContactFrame frame = args.frame.at[0];
   const bool known = frame.known != 0 && args.forget == 0;
-  const bool now = fit.tracked != 0 && args.held != 0;
+  const bool now = args.hand.at[0].tracked != 0 && args.held != 0;
   frame.mode = !now ? kFrameIdle : known ? kFrameSweep : kFrameStart;
   frame.known = now ? 1 : 0;
   frame.rotation_before = frame.mode == kFrameSweep ? frame.rotation_now : rotation;

@@ -4,7 +4,7 @@
 #ifndef AIRCLAY_CONTACT_IO_H
 #define AIRCLAY_CONTACT_IO_H
 
-#include "shaders/hand/fit_io.h"
+#include "shaders/hand/hand_pose_io.h"
 #include "shaders/sculpt/symmetry_io.h"
 
 AIRCLAY_IO_BEGIN
@@ -144,7 +144,7 @@ struct ContactDecision {
 
 // contact_begin: one invocation; selects the frame's mode.
 struct ContactBeginArgs {
-  ReadFits fit;
+  ReadHandPoses hand;
   ReadWriteContactFrames frame;
   vec4 clay_from_workspace;  // the clay may be rotated; a unit quaternion x y z w
   ContactGroups groups;

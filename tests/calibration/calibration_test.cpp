@@ -341,8 +341,8 @@ class Follower {
   void learn() { pipeline_.learnBackground(); }
   void follow(const Pose& truth) {
     const FrameResult result = pipeline_.trackImages();
-    EXPECT_EQ(result.hand, HandState::kTracked);
-    errors_mm.push_back(1000 * poseError(result.fit.world_from_hand, truth, Vec3::Zero()).shift_m);
+    EXPECT_EQ(result.state(), HandState::kTracked);
+    errors_mm.push_back(1000 * poseError(result.trackedHand()->pose.world_from_hand, truth, Vec3::Zero()).shift_m);
   }
 
   std::vector<std::span<std::uint8_t>> images;  ///< where the next ones go

@@ -76,7 +76,8 @@ TEST(ShaderInterface, OffsetsAndUsesAreTheArgumentsOfCpp) {
   expectInterface(fit_choose_comp, AIRCLAY_END_OF(FitChooseArgs, lost_outside_m),
                   {{offsetof(FitChooseArgs, fits), kReads},
                    {offsetof(FitChooseArgs, hull), kReads},
-                   {offsetof(FitChooseArgs, result), kWrites}});
+                   {offsetof(FitChooseArgs, result), kWrites},
+                   {offsetof(FitChooseArgs, hand), kWrites}});
 }
 
 /// A SPIR-V module by hand.
@@ -243,11 +244,13 @@ TEST(Recorder, APointerIntoNoLiveBufferIsRefused) {
   Gpu& gpu = testGpu();
   Kernel<FitChooseArgs> kernel(gpu, "fit_choose", fit_choose_comp);
   const Buffer<GpuFit> fits(gpu, 2), result(gpu, 1);
+  const Buffer<GpuHandPose> hand(gpu, 1);
   const Buffer<HullSums> hull(gpu, 1);
   FitChooseArgs args{};
   args.fits = fits;
   args.hull = hull;
   args.result = result;
+  args.hand = hand;
   args.count = 1;
   Recorder recorder(gpu);
   recorder.begin();
@@ -293,6 +296,7 @@ std::vector<RecordedCommand> frameCommands() {
   Fitter fitter(gpu, model);
   const Kernel<FitChooseArgs> choose(gpu, "fit_choose", fit_choose_comp);
   const Buffer<GpuFit> fits(gpu, 1), result(gpu, 1);
+  const Buffer<GpuHandPose> hand(gpu, 1);
   Recorder recorder(gpu);
   recorder.begin();
   silhouettes.recordLearning(recorder, images);
@@ -309,6 +313,7 @@ std::vector<RecordedCommand> frameCommands() {
   args.fits = fits;
   args.hull = carver.sums();
   args.result = result;
+  args.hand = hand;
   args.count = 1;
   recorder.dispatch(choose, args, 1);
   recorder.submitAndWait();
@@ -474,15 +479,18 @@ TEST(Buffer, LiveBuffersAreKnownByTheirAddresses) {
 
 TEST(Buffer, AKernelThatWritesPastTheEndIsNoticed) {
   Gpu& gpu = testGpu();
-  // a fit is 52 bytes; the kernel is given 8
+  // a fit is 352 bytes; the kernel is given 320
+  static_assert(sizeof(GpuFit) == 352);
   const Kernel<FitChooseArgs> kernel(gpu, "fit_choose", fit_choose_comp);
   const Buffer<GpuFit> fits(gpu, 1);
   const Buffer<HullSums> hull(gpu, 1);
-  Buffer<std::uint32_t> small(gpu, 2, Memory::kHost);
+  const Buffer<GpuHandPose> hand(gpu, 1);
+  Buffer<std::uint32_t> small(gpu, 80, Memory::kHost);
   FitChooseArgs args{};
   args.fits = fits;
   args.hull = hull;
   args.result.address = small.raw().address();
+  args.hand = hand;
   args.count = 1;
   Recorder recorder(gpu);
   recorder.begin();

@@ -43,13 +43,17 @@ HandModel boxHand(const Vec3& half_size_m, int divisions = 1) {
 }
 
 Eigen::Quaterniond rotationOf(const GpuFit& fit) {
-  return Eigen::Quaterniond(fit.rotation[3], fit.rotation[0], fit.rotation[1], fit.rotation[2]);
+  return Eigen::Quaterniond(Eigen::Vector4d(fit.pose.rotation.cast<double>()));
+}
+
+Pose rootOf(const GpuFit& fit, const FitModel& model, const Workspace& workspace) {
+  return handPose(fit.pose, poseFrame(model, workspace)).world_from_hand;
 }
 
 GpuFit startAt(const Vec3& position, const Eigen::Quaterniond& rotation = Eigen::Quaterniond::Identity()) {
   GpuFit fit{};
-  fit.position = position.cast<float>();
-  fit.rotation = rotation.coeffs().cast<float>();
+  fit.pose.position = position.cast<float>();
+  fit.pose.rotation = rotation.coeffs().cast<float>();
   return fit;
 }
 
@@ -105,7 +109,7 @@ std::vector<GpuFit> startsAround(const GpuFit& truth, double shift_m, double tur
   };
   std::vector<GpuFit> starts;
   for (int i = 0; i < count; ++i) {
-    const Vec3 position = truth.position.cast<double>() + shift_m * vector();
+    const Vec3 position = truth.pose.position.cast<double>() + shift_m * vector();
     starts.push_back(startAt(
         position, Eigen::Quaterniond(rotationFromVector(turn * vector())) * rotationOf(truth).normalized()));
   }
@@ -121,13 +125,13 @@ TEST(Fit, EveryStepEqualsTheReferencesFromTheSameState) {
   for (const double time_s : kScriptTimes) {
     HandScene scene(cameras, model, *demoScript().at(time_s));
     std::vector<GpuFit> states =
-        startsAround(fitFromPose(scene.truth, model, scene.rig.rig().workspace), 0.012, 0.2, 4, random);
+        startsAround(fitAt({scene.truth, {}}, model, scene.rig.rig().workspace), 0.012, 0.2, 4, random);
     for (int step = 0; step < 12; ++step) {
       const std::vector<GpuFit> found = scene.fit(fitter, states, {1});
       for (std::size_t i = 0; i < states.size(); ++i) {
         const GpuFit expected = fitReference(model, scene.distances, scene.grid, states[i], {1});
-        const double shift = (found[i].position - expected.position).norm() / kHandLength;
-        const double turn = (found[i].rotation - expected.rotation).norm();
+        const double shift = (found[i].pose.position - expected.pose.position).norm() / kHandLength;
+        const double turn = (found[i].pose.rotation - expected.pose.rotation).norm();
         EXPECT_LE(shift, 1e-5) << "at " << time_s << " s, step " << step;
         EXPECT_LE(turn, 1e-5) << "at " << time_s << " s, step " << step;
         EXPECT_NEAR(found[i].outside_m, expected.outside_m, 1e-4 * expected.outside_m + 1e-8);
@@ -149,14 +153,14 @@ TEST(Fit, TheFinalPoseEqualsTheReferences) {
   for (const double time_s : kScriptTimes) {
     HandScene scene(cameras, model, *demoScript().at(time_s));
     const std::vector<GpuFit> starts =
-        startsAround(fitFromPose(scene.truth, model, scene.rig.rig().workspace), 0.01, 0.15, 4, random);
+        startsAround(fitAt({scene.truth, {}}, model, scene.rig.rig().workspace), 0.01, 0.15, 4, random);
     const std::vector<GpuFit> found = scene.fit(fitter, starts);
     for (std::size_t i = 0; i < starts.size(); ++i) {
       SCOPED_TRACE("at " + std::to_string(time_s) + " s, start " + std::to_string(i));
       const GpuFit expected = fitReference(model, scene.distances, scene.grid, starts[i], {});
       const PoseError error =
-          poseError(worldFromHand(found[i], model, scene.rig.rig().workspace),
-                    worldFromHand(expected, model, scene.rig.rig().workspace), model.center_of_mass);
+          poseError(rootOf(found[i], model, scene.rig.rig().workspace),
+                    rootOf(expected, model, scene.rig.rig().workspace), model.center_of_mass);
       EXPECT_LE(error.shift_m, 1e-4);
       EXPECT_LE(error.turn_degrees, 0.05);
       EXPECT_EQ(found[i].outcome, expected.outcome);
@@ -174,7 +178,7 @@ TEST(Fit, TwoRunsGiveTheSameBits) {
     HandScene scene(cameras, model, *demoScript().at(1.5));
     const std::vector<GpuFit> found = scene.fit(
         fitter,
-        startsAround(fitFromPose(scene.truth, model, scene.rig.rig().workspace), 0.01, 0.15, 8, random));
+        startsAround(fitAt({scene.truth, {}}, model, scene.rig.rig().workspace), 0.01, 0.15, 8, random));
     if (run == 0)
       first = found;
     else
@@ -217,9 +221,9 @@ TEST(Fit, AFaceThatSticksOutIsPushedBackByTheClosedForm) {
   const GpuFit fit = fitReference(model, field, grid, startAt(Vec3::Zero()), {1});
   // F = -A (s + margin), K = A, M / h² = 0.01 · 6 A; the two triangles' moments cancel
   const double margin_m = kFitMargin * grid.cell_m;
-  EXPECT_NEAR(fit.position.x(), -(kDepth + margin_m) / 1.06, 1e-8);
-  EXPECT_NEAR(fit.position.y(), 0, 1e-8);
-  EXPECT_NEAR(fit.position.z(), 0, 1e-8);
+  EXPECT_NEAR(fit.pose.position.x(), -(kDepth + margin_m) / 1.06, 1e-8);
+  EXPECT_NEAR(fit.pose.position.y(), 0, 1e-8);
+  EXPECT_NEAR(fit.pose.position.z(), 0, 1e-8);
   EXPECT_NEAR(rotationOf(fit).angularDistance(Eigen::Quaterniond::Identity()), 0, 1e-6);
   EXPECT_EQ(fit.iterations, 1u);
 }
@@ -242,14 +246,14 @@ TEST(Fit, AFaceThatIsPushedUnevenlyTurnsByTheClosedForm) {
   const Eigen::Quaterniond expected(rotationFromVector(turn));
   EXPECT_GT(turn.norm(), 0.02);
   EXPECT_LT(rotationOf(fit).angularDistance(expected), 2e-6);
-  EXPECT_NEAR(fit.position.x(), -(kDepth + kFitMargin * grid.cell_m) / 1.06, 1e-8);
+  EXPECT_NEAR(fit.pose.position.x(), -(kDepth + kFitMargin * grid.cell_m) / 1.06, 1e-8);
 }
 
 TEST(Fit, AStepIsNeverLongerThanTheFieldIsLinear) {
   const FitModel model = fitModel(boxHand(Vec3::Constant(kCube / 2)));
   const FieldGrid grid = planeGrid();
   const GpuFit fit = fitReference(model, planeField(grid, -0.05, 0), grid, startAt(Vec3::Zero()), {1});
-  EXPECT_NEAR(fit.position.norm(), 0.03, 1e-7);
+  EXPECT_NEAR(fit.pose.position.norm(), 0.03, 1e-7);
 }
 
 // --- a box in a hull that is a box: the whole cube, which every camera sees ---
@@ -275,12 +279,12 @@ TEST(Fit, ADisplacedBoxComesBack) {
   for (const Vec3& way : {Vec3(1, 0, 0), Vec3(0, -1, 0), Vec3(0, 0, 1), Vec3(-1, 1, 1)})
     starts.push_back(startAt(0.008 * way.normalized()));
   for (const GpuFit& fit : scene.fit(fitter, starts)) {
-    EXPECT_LT(fit.position.norm(), 0.5 * kBoxEdge / kBoxVoxels);
+    EXPECT_LT(fit.pose.position.norm(), 0.5 * kBoxEdge / kBoxVoxels);
     EXPECT_LT(rotationOf(fit).angularDistance(Eigen::Quaterniond::Identity()), 0.01);
   }
   for (const GpuFit& start : starts) {
     const GpuFit fit = fitReference(fitter.model(), scene.distances, scene.grid, start, {});
-    EXPECT_LT(fit.position.norm(), 0.5 * kBoxEdge / kBoxVoxels);
+    EXPECT_LT(fit.pose.position.norm(), 0.5 * kBoxEdge / kBoxVoxels);
   }
 }
 
@@ -301,7 +305,7 @@ TEST(Fit, TheThreeOutcomesAreReportedApart) {
   const GpuFit at_rest = scene.fit(smaller, {startAt(Vec3::Zero())})[0];
   EXPECT_EQ(at_rest.outcome, kFitIncluded);
   EXPECT_EQ(at_rest.iterations, 0u);
-  EXPECT_EQ(at_rest.position.norm(), 0);
+  EXPECT_EQ(at_rest.pose.position.norm(), 0);
 
   // all faces stick out by 2 mm and push against each other
   const GpuFit stalled = scene.fit(larger, {displaced})[0];
@@ -336,7 +340,7 @@ TEST(Fit, AForearmInTheImageDoesNotPullTheHandAlongIt) {
       Pose start = scene.truth;
       start.translation() += shift_m * along_arm;
       const Pose found =
-          worldFromHand(scene.fit(fitter, {fitFromPose(start, model, workspace)})[0], model, workspace);
+          rootOf(scene.fit(fitter, {fitAt({start, {}}, model, workspace)})[0], model, workspace);
       const Vec3 shift = found * model.center_of_mass - scene.truth * model.center_of_mass;
       EXPECT_LT(std::abs(shift.dot(along_arm)), 0.0025)
           << "at " << time_s << " s, started " << shift_m << " off";
@@ -401,9 +405,25 @@ TEST(Fit, PosesThereAndBackAreTheSame) {
   Pose pose = Pose::Identity();
   pose.linear() = rotationFromVector(Vec3(0.4, -2, 1));
   pose.translation() = Vec3(0.9, -2.1, 0.55);
-  const GpuFit fit = fitFromPose(pose, model, workspace);
-  EXPECT_LT((fit.position.cast<double>() - (pose * model.center_of_mass - workspace.center)).norm(), 1e-7);
-  EXPECT_LT((worldFromHand(fit, model, workspace).matrix() - pose.matrix()).norm(), 1e-6);
+  const GpuFit fit = fitAt({pose, {}}, model, workspace);
+  EXPECT_LT((fit.pose.position.cast<double>() - (pose * model.center_of_mass - workspace.center)).norm(), 1e-7);
+  EXPECT_LT((rootOf(fit, model, workspace).matrix() - pose.matrix()).norm(), 1e-6);
+}
+
+TEST(Fit, JointAnglesPassThroughTheDevice) {
+  const FitModel model = fitModel(builtInHand(false));
+  Fitter fitter(testGpu(), model);
+  HandCameras cameras;
+  HandScene scene(cameras, model, *demoScript().at(1.5));
+  const Workspace& workspace = scene.rig.rig().workspace;
+  HandPose bent{scene.truth, std::vector<Vec3>(25, Vec3::Zero())};
+  bent.joint_angles[7] = Vec3(0.5, -0.25, 1.5);
+  const GpuFit found = scene.fit(fitter, {fitAt(bent, model, workspace)}).front();
+  const HandPose after = handPose(found.pose, poseFrame(model, workspace));
+  ASSERT_EQ(after.joint_angles.size(), 25u);
+  for (std::size_t j = 0; j < 25; ++j) EXPECT_EQ(after.joint_angles[j], bent.joint_angles[j]) << j;
+  const GpuFit straight = scene.fit(fitter, {fitAt({scene.truth, {}}, model, workspace)}).front();
+  EXPECT_TRUE(handPose(straight.pose, poseFrame(model, workspace)).joint_angles.empty());
 }
 
 }  // namespace

@@ -98,7 +98,7 @@ TEST(Tracker, FindsTheHandInAnyOrientation) {
       Tracking tracking(turned(cameras.rig().rig(), turn), hand);
       const HandFit fit = tracking.search(masks);
       const PoseError error =
-          poseError(fit.world_from_hand, Pose(turn) * truth, tracking.tracker.model().center_of_mass);
+          poseError(fit.pose.world_from_hand, Pose(turn) * truth, tracking.tracker.model().center_of_mass);
       found += fit.tracked && error.shift_m < 0.010 && error.turn_degrees < 5;
     }
   }
@@ -127,7 +127,7 @@ TEST(Tracker, FollowsTheHandFromItsLastPose) {
       fit = tracking.follow();
     }
     ASSERT_TRUE(fit.tracked);
-    const PoseError error = poseError(fit.world_from_hand, truth, center_of_mass);
+    const PoseError error = poseError(fit.pose.world_from_hand, truth, center_of_mass);
     EXPECT_LT(error.shift_m, 0.004);
     EXPECT_LT(error.turn_degrees, 3);
     EXPECT_LT(fit.outside_m, 0.001);
@@ -141,7 +141,7 @@ TEST(Tracker, TheLeftHandIsFoundByItsOwnModel) {
   const Pose truth = *demoScript().at(3.4);
   const HandFit fit = tracking.search(cameras.masks(truth));
   ASSERT_TRUE(fit.tracked);
-  const PoseError error = poseError(fit.world_from_hand, truth, tracking.tracker.model().center_of_mass);
+  const PoseError error = poseError(fit.pose.world_from_hand, truth, tracking.tracker.model().center_of_mass);
   EXPECT_LT(error.shift_m, 0.004);
   EXPECT_LT(error.turn_degrees, 3);
 }

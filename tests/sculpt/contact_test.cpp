@@ -22,7 +22,7 @@ std::vector<vec3> planePoints() {
   return points;
 }
 
-ContactPose poseOf(const GpuFit& fit) {
+ContactPose poseOf(const GpuHandPose& fit) {
   return {Eigen::Quaterniond(Eigen::Vector4d(fit.rotation.cast<double>())), fit.position.cast<double>()};
 }
 
@@ -38,7 +38,7 @@ struct Scene {
         recorder(gpu) {}
 
   /// The first check of a frame; how many points are reached.
-  int frame(const GpuFit& hand_fit, bool held = true) {
+  int frame(const GpuHandPose& hand_fit, bool held = true) {
     fit.host()[0] = hand_fit;
     recorder.begin();
     contact.recordBegin(recorder, fit, held);
@@ -68,7 +68,7 @@ struct Scene {
   ContactFrame contact;
   ContactFinder finder;
   Buffer<vec3> data;
-  Buffer<GpuFit> fit;
+  Buffer<GpuHandPose> fit;
   Recorder recorder;
 };
 
@@ -97,24 +97,24 @@ void expectBelowTheBall(const Scene& scene, double height) {
 
 TEST(Contact, ABallPushesAPlaneToItsFront) {
   Scene scene(ballHand(kBallRadius_m), planePoints());
-  EXPECT_EQ(scene.frame(fitAt({0, 0, 0.035})), 0);
-  EXPECT_GT(scene.frame(fitAt({0, 0, 0.01})), 0);
+  EXPECT_EQ(scene.frame(gpuHandAt({0, 0, 0.035})), 0);
+  EXPECT_GT(scene.frame(gpuHandAt({0, 0, 0.01})), 0);
   expectBelowTheBall(scene, 0.01);
 }
 
 TEST(Contact, AFastBallDoesNotPassThroughASheet) {
   Scene scene(ballHand(kBallRadius_m), planePoints());
-  scene.frame(fitAt({0, 0, 0.1}));
-  scene.frame(fitAt({0, 0, -0.15}));  // 25 cm in one frame, past the sheet with all of the ball
+  scene.frame(gpuHandAt({0, 0, 0.1}));
+  scene.frame(gpuHandAt({0, 0, -0.15}));  // 25 cm in one frame, past the sheet with all of the ball
   expectBelowTheBall(scene, -0.15);
 }
 
 TEST(Contact, AFastThinPlateDoesNotPassAndKeepsItsSide) {
   // 4 mm thick
   Scene scene(boxHand({0.08, 0.08, 0.004}), planePoints());
-  scene.frame(fitAt({0, 0, 0.05}));
-  scene.frame(fitAt({0, 0, 0.0015}));  // half a millimetre deep
-  scene.frame(fitAt({0, 0, -0.02}));  // the points come out of the plate's back, were it not for their memory
+  scene.frame(gpuHandAt({0, 0, 0.05}));
+  scene.frame(gpuHandAt({0, 0, 0.0015}));  // half a millimetre deep
+  scene.frame(gpuHandAt({0, 0, -0.02}));  // the points come out of the plate's back, were it not for their memory
   int reached = 0;
   for (const GpuContactPoint& point : scene.finder.points()) {
     const double from_axis = point.position.head<2>().cwiseAbs().maxCoeff();
@@ -137,8 +137,8 @@ TEST(Contact, AThinPlateThatTurnsSweepsAnArc) {
   const auto turned = [](double angle) {
     return Eigen::Quaterniond(Eigen::AngleAxisd(angle, Vec3::UnitY()));
   };
-  scene.frame(fitAt(Vec3::Zero(), turned(0)));
-  EXPECT_EQ(scene.frame(fitAt(Vec3::Zero(), turned(M_PI / 3))), 2);
+  scene.frame(gpuHandAt(Vec3::Zero(), turned(0)));
+  EXPECT_EQ(scene.frame(gpuHandAt(Vec3::Zero(), turned(M_PI / 3))), 2);
   const std::vector<GpuContactPoint> points = scene.finder.points();
   EXPECT_EQ(points[0].state, kPointReached);  // the wing's right half goes down
   EXPECT_EQ(points[1].state, kPointOutside);
@@ -153,42 +153,42 @@ TEST(Contact, AThinPlateThatTurnsSweepsAnArc) {
 
 TEST(Contact, PointsInsideAtTheStartAreLeftAloneUntilLeft) {
   Scene scene(ballHand(kBallRadius_m), {{0, 0, 0}, {0, 0, -0.04f}});
-  EXPECT_EQ(scene.frame(fitAt({0, 0, 0})), 0);
-  EXPECT_EQ(scene.frame(fitAt({0, 0, -0.015})), 1);  // the lower point only
+  EXPECT_EQ(scene.frame(gpuHandAt({0, 0, 0})), 0);
+  EXPECT_EQ(scene.frame(gpuHandAt({0, 0, -0.015})), 1);  // the lower point only
   std::vector<GpuContactPoint> points = scene.finder.points();
   EXPECT_EQ(points[0].state, kPointIgnored);
   EXPECT_EQ(points[1].state, kPointReached);
-  EXPECT_EQ(scene.frame(fitAt({0, 0, 0.0305})), 0);  // half a millimetre outside: not left yet
+  EXPECT_EQ(scene.frame(gpuHandAt({0, 0, 0.0305})), 0);  // half a millimetre outside: not left yet
   EXPECT_EQ(scene.finder.points()[0].state, kPointIgnored);
-  EXPECT_EQ(scene.frame(fitAt({0, 0, 0.02})), 0);
-  EXPECT_EQ(scene.frame(fitAt({0, 0, 0.035})), 0);
-  EXPECT_EQ(scene.frame(fitAt({0, 0, 0.02})), 1);
+  EXPECT_EQ(scene.frame(gpuHandAt({0, 0, 0.02})), 0);
+  EXPECT_EQ(scene.frame(gpuHandAt({0, 0, 0.035})), 0);
+  EXPECT_EQ(scene.frame(gpuHandAt({0, 0, 0.02})), 1);
   EXPECT_EQ(scene.finder.points()[0].state, kPointReached);
 }
 
 TEST(Contact, LostFramesAndTheOpenClutchMoveNothingAndForgetTheHand) {
   for (const bool lose : {true, false}) {
     Scene scene(ballHand(kBallRadius_m), planePoints());
-    scene.frame(fitAt({0, 0, 0.05}));
-    EXPECT_EQ(lose ? scene.frame(lostFit()) : scene.frame(fitAt({0, 0, 0.03}), false), 0);
+    scene.frame(gpuHandAt({0, 0, 0.05}));
+    EXPECT_EQ(lose ? scene.frame(lostHand()) : scene.frame(gpuHandAt({0, 0, 0.03}), false), 0);
     EXPECT_EQ(scene.contact.summary().done, 1u);
     // it comes back on the other side: nobody knows its way
-    EXPECT_EQ(scene.frame(fitAt({0, 0, -0.05})), 0);
+    EXPECT_EQ(scene.frame(gpuHandAt({0, 0, -0.05})), 0);
     // and from there its way is known again
-    EXPECT_GT(scene.frame(fitAt({0, 0, -0.02})), 0);
+    EXPECT_GT(scene.frame(gpuHandAt({0, 0, -0.02})), 0);
   }
   Scene scene(ballHand(kBallRadius_m), planePoints());
-  scene.frame(fitAt({0, 0, 0.05}));
+  scene.frame(gpuHandAt({0, 0, 0.05}));
   scene.contact.forget();
-  EXPECT_EQ(scene.frame(fitAt({0, 0, -0.05})), 0);
+  EXPECT_EQ(scene.frame(gpuHandAt({0, 0, -0.05})), 0);
 }
 
 TEST(Contact, AHandThatGoesAwayLetsGo) {
   Scene scene(ballHand(kBallRadius_m), planePoints());
-  scene.frame(fitAt({0, 0, 0.035}));
-  EXPECT_GT(scene.frame(fitAt({0, 0, 0.0299})), 0);
-  EXPECT_GT(scene.frame(fitAt({0, 0, 0.03005})), 0) << "0.05 mm away is not away";
-  EXPECT_EQ(scene.frame(fitAt({0, 0, 0.04})), 0);
+  scene.frame(gpuHandAt({0, 0, 0.035}));
+  EXPECT_GT(scene.frame(gpuHandAt({0, 0, 0.0299})), 0);
+  EXPECT_GT(scene.frame(gpuHandAt({0, 0, 0.03005})), 0) << "0.05 mm away is not away";
+  EXPECT_EQ(scene.frame(gpuHandAt({0, 0, 0.04})), 0);
 }
 
 TEST(Contact, EqualsTheReference) {
@@ -200,12 +200,12 @@ TEST(Contact, EqualsTheReference) {
   for (int i = 0; i < 3000; ++i) data_points.push_back((0.1 * vector()).cast<float>());
   Scene scene(hand, data_points);
 
-  GpuFit before = fitAt({0.02, 0.01, 0.2});
+  GpuHandPose before = gpuHandAt({0.02, 0.01, 0.2});
   scene.frame(before);
   int compared = 0, reached = 0, different = 0;
   for (int frame = 0; frame < 12; ++frame) {
     const Eigen::Quaterniond rotation(Eigen::AngleAxisd(0.15 * frame, Vec3(1, 2, -1).normalized()));
-    const GpuFit now = fitAt(before.position.cast<double>() + Vec3(0, 0, -0.02) + 0.01 * vector(), rotation);
+    const GpuHandPose now = gpuHandAt(before.position.cast<double>() + Vec3(0, 0, -0.02) + 0.01 * vector(), rotation);
     for (int repeat = 0; repeat < 3; ++repeat) {
       const std::vector<GpuContactPoint> start = scene.finder.points();
       ContactMotion motion{repeat == 0 ? poseOf(before) : poseOf(now), poseOf(now), false, repeat == 0};

@@ -27,7 +27,7 @@ struct Workshop {
         fit(gpu, 1, Memory::kHost),
         recorder(gpu) {}
 
-  ClayStep frame(const GpuFit& hand_fit, bool held = true) {
+  ClayStep frame(const GpuHandPose& hand_fit, bool held = true) {
     fit.host()[0] = hand_fit;
     recorder.begin();
     sculptor.record(recorder, fit, {.held = held});
@@ -43,7 +43,7 @@ struct Workshop {
   /// The surface's deepest point in the hand, by the surface and the hand alone.
   double deepest() {
     if (grid.values.empty()) grid = contactGrid(skin);
-    const GpuFit& hand = fit.host()[0];
+    const GpuHandPose& hand = fit.host()[0];
     const Eigen::Quaterniond rotation(Eigen::Vector4d(hand.rotation.cast<double>()));
     double deepest = 0;
     for (const vec3& point : clay.dataPoints().download())
@@ -57,13 +57,13 @@ struct Workshop {
   Clay clay;
   Sculptor sculptor;
   DistanceGrid grid;
-  Buffer<GpuFit> fit;
+  Buffer<GpuHandPose> fit;
   Recorder recorder;
 };
 
 /// A ball beside the tube's wall, 70 mm from its axis, pushed in by `push`.
-GpuFit ballAt(double push) {
-  return fitAt(Vec3(0.07 + kBallRadius_m + 0.002 - push, 0, 0.01));
+GpuHandPose ballAt(double push) {
+  return gpuHandAt(Vec3(0.07 + kBallRadius_m + 0.002 - push, 0, 0.01));
 }
 
 double largestMove(const PolygonMesh& before, const PolygonMesh& after, bool far_side) {
@@ -124,8 +124,8 @@ TEST(Sculptor, ALonePointEndsOnTheHandNotBeyond) {
   });
   const Vec3 before = nearest->cast<double>();
   const auto index = static_cast<std::size_t>(nearest - points.begin());
-  workshop.frame(fitAt(Vec3(before.x() + 0.101, before.y(), before.z())));
-  const ClayStep step = workshop.frame(fitAt(Vec3(before.x() + 0.09, before.y(), before.z())));
+  workshop.frame(gpuHandAt(Vec3(before.x() + 0.101, before.y(), before.z())));
+  const ClayStep step = workshop.frame(gpuHandAt(Vec3(before.x() + 0.09, before.y(), before.z())));
   EXPECT_EQ(step.touched, 1);
   EXPECT_LE(step.repeats, 4);
   // the grid rounds the tip off by no more than a tenth of a millimetre in its middle
@@ -139,7 +139,7 @@ TEST(Sculptor, TheSameFramesGiveTheSameBits) {
     int repeats = 0;
     for (int i = 0; i <= 6; ++i) {
       const Eigen::Quaterniond rotation(Eigen::AngleAxisd(M_PI + 0.05 * i, Vec3(0, 0.1, 1).normalized()));
-      repeats += workshop.frame(fitAt(Vec3(0.23 - 0.02 * i, 0, 0), rotation)).repeats;
+      repeats += workshop.frame(gpuHandAt(Vec3(0.23 - 0.02 * i, 0, 0), rotation)).repeats;
     }
     EXPECT_GT(repeats, 5) << "the hand must have done something";
     runs.push_back(workshop.clay.dataPoints().download());
@@ -155,7 +155,7 @@ TEST(Sculptor, NothingMovesWithoutAHandThatIsHeld) {
     const ClayStep open = workshop.frame(ballAt(0.01 * i), false);
     EXPECT_EQ(open.touched + open.repeats, 0);
   }
-  EXPECT_EQ(workshop.frame(lostFit()).repeats, 0);
+  EXPECT_EQ(workshop.frame(lostHand()).repeats, 0);
   EXPECT_EQ(workshop.frame(ballAt(0.02)).repeats, 0);  // found within the clay: left alone
   EXPECT_EQ(workshop.frame(ballAt(0.0205)).penetration_m, 0);
   workshop.frame(ballAt(-0.01));
@@ -176,7 +176,7 @@ TEST(Sculptor, TheWorkspacesCentreAndSetControlPoints) {
   EXPECT_EQ(workshop.clay.cage().faces, cage.faces);
 
   // control points put where the hand is: that was no touch
-  const GpuFit inside = fitAt(-center + Vec3(0.02, 0, 0));
+  const GpuHandPose inside = gpuHandAt(-center + Vec3(0.02, 0, 0));
   workshop.frame(inside);
   EXPECT_EQ(workshop.frame(inside).touched, 0);
   std::vector<Vec3> moved = cage.points;
@@ -220,11 +220,11 @@ TEST(Sculptor, ClayTurnsAboutTheWorkspacesCentre) {
                                      [](const Vec3& a, const Vec3& b) { return a.z() < b.z(); });
   const Vec3 there = about_x * (top - center);
   for (const Vec3& point : standing) ASSERT_GT((point - center - there).norm(), kBallRadius_m);
-  workshop.frame(fitAt(there));
+  workshop.frame(gpuHandAt(there));
   workshop.clay.turn(about_x);
-  EXPECT_EQ(workshop.frame(fitAt(there)).touched, 0);
-  EXPECT_EQ(workshop.frame(fitAt(there)).touched, 0);
-  EXPECT_GT(workshop.frame(fitAt(there + Vec3(0.01, 0.07, 0))).touched, 0) << "that was a way into it";
+  EXPECT_EQ(workshop.frame(gpuHandAt(there)).touched, 0);
+  EXPECT_EQ(workshop.frame(gpuHandAt(there)).touched, 0);
+  EXPECT_GT(workshop.frame(gpuHandAt(there + Vec3(0.01, 0.07, 0))).touched, 0) << "that was a way into it";
 }
 
 }  // namespace

@@ -13,12 +13,12 @@
 namespace airclay {
 namespace {
 
-ContactPose poseOf(const GpuFit& fit) {
+ContactPose poseOf(const GpuHandPose& fit) {
   return {Eigen::Quaterniond(Eigen::Vector4d(fit.rotation.cast<double>())), fit.position.cast<double>()};
 }
 
-GpuFit turnedFit(double angle, const Vec3& position) {
-  return fitAt(position, Eigen::Quaterniond(Eigen::AngleAxisd(angle, Vec3(1, 2, -1).normalized())));
+GpuHandPose turnedFit(double angle, const Vec3& position) {
+  return gpuHandAt(position, Eigen::Quaterniond(Eigen::AngleAxisd(angle, Vec3(1, 2, -1).normalized())));
 }
 
 std::vector<Vec3> scattered(int count, double radius_m) {
@@ -48,9 +48,9 @@ TEST(Grip, EqualsTheReference) {
     frame.setMirrors(mirrors);
     Grip grip(testGpu(), frame);
     Buffer<vec3> data_points(testGpu(), floats(start), Memory::kHost);
-    Buffer<GpuFit> fit(testGpu(), 1, Memory::kHost);
+    Buffer<GpuHandPose> fit(testGpu(), 1, Memory::kHost);
     Recorder recorder(testGpu());
-    const auto check = [&](const GpuFit& hand) {
+    const auto check = [&](const GpuHandPose& hand) {
       fit.host()[0] = hand;
       recorder.begin();
       frame.recordBegin(recorder, fit, true);
@@ -59,7 +59,7 @@ TEST(Grip, EqualsTheReference) {
       EXPECT_TRUE(hazards(recorder.commands()).empty());
       return grip.points();
     };
-    const GpuFit before = turnedFit(0.4, Vec3(0.02, 0.01, 0.03)), now = turnedFit(0.7, Vec3(0.03, 0, 0.01));
+    const GpuHandPose before = turnedFit(0.4, Vec3(0.02, 0.01, 0.03)), now = turnedFit(0.7, Vec3(0.03, 0, 0.01));
     const std::vector<GpuGripPoint> held = check(before);
     int differ = 0, count = 0;
     for (std::size_t i = 0; i < start.size(); ++i) {
@@ -103,7 +103,7 @@ TEST(Relax, EqualsTheReference) {
       frame.setMirrors(mirrorsOf(symmetry));
       Relaxer relaxer(testGpu(), frame, subdivision);
       const Buffer<vec3> data_points(testGpu(), floats(points)), data_normals(testGpu(), floats(normals));
-      Buffer<GpuFit> fit(testGpu(), 1, Memory::kHost);
+      Buffer<GpuHandPose> fit(testGpu(), 1, Memory::kHost);
       fit.host()[0] = turnedFit(0.3, Vec3(0.05, 0.02, 0.01));
       Recorder recorder(testGpu());
       for (int i = 0; i < 2; ++i) {  // the first only tells where the hand is

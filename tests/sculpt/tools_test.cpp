@@ -52,7 +52,7 @@ struct Workshop {
         fit(testGpu(), 1, Memory::kHost),
         recorder(testGpu()) {}
 
-  ClayStep frame(const GpuFit& hand_fit, const SculptControls& controls) {
+  ClayStep frame(const GpuHandPose& hand_fit, const SculptControls& controls) {
     fit.host()[0] = hand_fit;
     recorder.begin();
     sculptor.record(recorder, fit, controls);
@@ -69,7 +69,7 @@ struct Workshop {
   DistanceGrid grid;
   Clay clay;
   Sculptor sculptor;
-  Buffer<GpuFit> fit;
+  Buffer<GpuHandPose> fit;
   Recorder recorder;
 };
 
@@ -112,13 +112,13 @@ TEST(Tools, PullCarriesTheGrippedPatchAndLeavesTheFarSide) {
     const Vec3 start(edge + kBallRadius_m + 0.002, 0.004, 0.001);
     const std::vector<std::size_t> held = within(before, start);
     ASSERT_GE(held.size(), 3u);
-    EXPECT_EQ(workshop.frame(fitAt(start), with(kPullTool)).touched, int(held.size()));
+    EXPECT_EQ(workshop.frame(gpuHandAt(start), with(kPullTool)).touched, int(held.size()));
     EXPECT_EQ(largestMove(before, workshop.surface()), 0) << "taking hold moves nothing";
     // 3 cm away and a little up, turning by 0.3 rad
     for (int i = 1; i <= 15; ++i) {
       const Vec3 shift = i / 15.0 * Vec3(0.028, 0, 0.01);
       const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.02 * i, Vec3::UnitX()));
-      const ClayStep step = workshop.frame(fitAt(start + shift, turn), with(kPullTool));
+      const ClayStep step = workshop.frame(gpuHandAt(start + shift, turn), with(kPullTool));
       EXPECT_EQ(step.touched, int(held.size())) << "no more, no less";
       const std::vector<Vec3> now = workshop.surface();
       for (const std::size_t point : held)
@@ -132,21 +132,21 @@ TEST(Tools, PullLetsGoWithTheClutchTheToolAndTheHand) {
   const Vec3 start(0.13, 0, 0), away(0.16, 0, 0);
   const auto pulled = [&](const std::function<void(Workshop&)>& between) {
     Workshop workshop(ballCage(1), &kSolveAll, ballHand(kBallRadius_m));
-    workshop.frame(fitAt(start), with(kPullTool));
-    workshop.frame(fitAt(start + Vec3(0.002, 0, 0)), with(kPullTool));
+    workshop.frame(gpuHandAt(start), with(kPullTool));
+    workshop.frame(gpuHandAt(start + Vec3(0.002, 0, 0)), with(kPullTool));
     between(workshop);
     const std::vector<Vec3> before = workshop.surface();
-    const int touched = workshop.frame(fitAt(away), with(kPullTool)).touched;
-    workshop.frame(fitAt(away + Vec3(0.01, 0, 0)), with(kPullTool));
+    const int touched = workshop.frame(gpuHandAt(away), with(kPullTool)).touched;
+    workshop.frame(gpuHandAt(away + Vec3(0.01, 0, 0)), with(kPullTool));
     return std::pair(touched, largestMove(before, workshop.surface()));
   };
   EXPECT_GT(pulled([](Workshop&) {}).second, 0.02) << "nothing let go";
-  const GpuFit there = fitAt(start + Vec3(0.004, 0, 0));
+  const GpuHandPose there = gpuHandAt(start + Vec3(0.004, 0, 0));
   for (const std::function<void(Workshop&)>& between : std::vector<std::function<void(Workshop&)>>{
            [&](Workshop& w) { w.frame(there, with(kPullTool, {}, false)); },
            [&](Workshop& w) { w.frame(there, with(kPushTool)); },
            [&](Workshop& w) { w.frame(there, with(kSmoothTool)); },
-           [&](Workshop& w) { w.frame(lostFit(), with(kPullTool)); },
+           [&](Workshop& w) { w.frame(lostHand(), with(kPullTool)); },
            [&](Workshop& w) { w.sculptor.forget(); }}) {
     const auto [touched, moved_m] = pulled(between);
     EXPECT_EQ(touched, 0) << "the hand is 3 cm off";
@@ -157,16 +157,16 @@ TEST(Tools, PullLetsGoWithTheClutchTheToolAndTheHand) {
 TEST(Tools, PullTakesHoldWhereTheHandFirstTouches) {
   Workshop workshop(ballCage(1), &kSolveAll, ballHand(kBallRadius_m));
   const std::vector<Vec3> before = workshop.surface();
-  EXPECT_EQ(workshop.frame(fitAt(Vec3(0.2, 0, 0)), with(kPullTool)).touched, 0);
-  EXPECT_EQ(workshop.frame(fitAt(Vec3(0.16, 0, 0)), with(kPullTool)).touched, 0);
+  EXPECT_EQ(workshop.frame(gpuHandAt(Vec3(0.2, 0, 0)), with(kPullTool)).touched, 0);
+  EXPECT_EQ(workshop.frame(gpuHandAt(Vec3(0.16, 0, 0)), with(kPullTool)).touched, 0);
   const Vec3 touch(0.128, 0, 0);
-  const int held = workshop.frame(fitAt(touch), with(kPullTool)).touched;
+  const int held = workshop.frame(gpuHandAt(touch), with(kPullTool)).touched;
   EXPECT_EQ(held, int(within(before, touch).size()));
   EXPECT_GT(held, 0);
   EXPECT_EQ(largestMove(before, workshop.surface()), 0);
   // it goes along the surface, and gathers no more
   for (int i = 1; i <= 5; ++i)
-    EXPECT_EQ(workshop.frame(fitAt(touch + Vec3(0, 0.004 * i, 0)), with(kPullTool)).touched, held);
+    EXPECT_EQ(workshop.frame(gpuHandAt(touch + Vec3(0, 0.004 * i, 0)), with(kPullTool)).touched, held);
   EXPECT_GT(largestMove(before, workshop.surface()), 0.018);
 }
 
@@ -191,10 +191,10 @@ TEST(Tools, SmoothTakesTheBumpsAndLeavesTheBall) {
       // a hand that holds all of the ball
       Workshop workshop(bumpy ? cage : even, rows, ballHand(0.07));
       const PolygonMesh before = workshop.clay.surface();
-      workshop.frame(fitAt(Vec3::Zero()), with(kSmoothTool));
+      workshop.frame(gpuHandAt(Vec3::Zero()), with(kSmoothTool));
       EXPECT_EQ(largestMove(before.points, workshop.surface()), 0) << "the first frame is the hand's coming";
       for (int i = 0; i < 30; ++i) {
-        const ClayStep step = workshop.frame(fitAt(Vec3::Zero()), with(kSmoothTool));
+        const ClayStep step = workshop.frame(gpuHandAt(Vec3::Zero()), with(kSmoothTool));
         EXPECT_LE(step.repeats, int(kRelaxRepeats));
         if (i == 0) {
           EXPECT_GT(step.touched, int(before.points.size()) * 9 / 10) << "the others' way is zero";
@@ -225,7 +225,7 @@ TEST(Tools, SmoothGoesAsFarInASecondAtAnyFrameRate) {
     const std::vector<Vec3> before = workshop.surface();
     SculptControls controls = with(kSmoothTool);
     controls.frame_s = 0.2 / frames;
-    for (int i = 0; i <= frames; ++i) workshop.frame(fitAt(Vec3::Zero()), controls);
+    for (int i = 0; i <= frames; ++i) workshop.frame(gpuHandAt(Vec3::Zero()), controls);
     ends.push_back(workshop.surface());
     moved_m = largestMove(before, ends.back());
   }
@@ -238,7 +238,7 @@ TEST(Tools, SmoothKeepsToTheHandsReach) {
   for (std::size_t i = 0; i < points.size(); ++i) points[i].z() += i % 2 == 0 ? 0.003 : -0.003;
   workshop.clay.setControlPoints(points);
   const std::vector<Vec3> before = workshop.surface();
-  for (int i = 0; i < 10; ++i) workshop.frame(fitAt(Vec3(0, 0, kBallRadius_m)), with(kSmoothTool));
+  for (int i = 0; i < 10; ++i) workshop.frame(gpuHandAt(Vec3(0, 0, kBallRadius_m)), with(kSmoothTool));
   const std::vector<Vec3> after = workshop.surface();
   const auto off_axis = [](const Vec3& p) { return p.head<2>().norm(); };
   EXPECT_GT(largestMove(before, after, [&](const Vec3& p) { return off_axis(p) < 0.01; }), 0.0003);
@@ -252,8 +252,8 @@ TEST(Tools, SmoothLeavesAFlatSheetInItsPlaneAndAnEvenTubeWithItsRims) {
     Workshop tube(presetCage("tube"), rows, boxHand({0.2, 0.2, 0.25}));
     const std::vector<Vec3> before = tube.surface();
     for (int i = 0; i < 30; ++i) {
-      sheet.frame(fitAt(Vec3::Zero()), with(kSmoothTool));
-      tube.frame(fitAt(Vec3::Zero()), with(kSmoothTool));
+      sheet.frame(gpuHandAt(Vec3::Zero()), with(kSmoothTool));
+      tube.frame(gpuHandAt(Vec3::Zero()), with(kSmoothTool));
     }
     for (const Vec3& point : sheet.surface()) EXPECT_LT(std::abs(point.z()), 1e-9);
     EXPECT_LT(largestMove(before, tube.surface()), 0.0001);
@@ -283,7 +283,7 @@ TEST(Tools, SmoothEvensADentedRimAsACurve) {
       return high - low;
     };
     const double before = rimWave();
-    for (int i = 0; i < 30; ++i) tube.frame(fitAt(Vec3::Zero()), with(kSmoothTool));
+    for (int i = 0; i < 30; ++i) tube.frame(gpuHandAt(Vec3::Zero()), with(kSmoothTool));
     EXPECT_GT(before, 0.004);
     EXPECT_LT(rimWave(), 0.5 * before);
   }
@@ -313,7 +313,7 @@ TEST(Tools, ASymmetricCageStaysSymmetricUnderEveryTool) {
         for (int i = 0; i <= 12; ++i) {
           // over the side and across the planes of symmetry
           const double out = tool == &kPullTool ? 0.125 + 0.002 * i : 0.14 - 0.003 * i;
-          workshop.frame(fitAt(Vec3(0.03 - 0.005 * i, out, 0.01 - 0.002 * i)), with(*tool, symmetry));
+          workshop.frame(gpuHandAt(Vec3(0.03 - 0.005 * i, out, 0.01 - 0.002 * i)), with(*tool, symmetry));
         }
         const std::vector<Vec3> after = workshop.surface();
         EXPECT_GT(largestMove(before, after), tool == &kSmoothTool ? 0.00005 : 0.01);
@@ -338,7 +338,7 @@ TEST(Tools, ThePlanesOfSymmetryTurnWithTheClay) {
       const double out = tool == &kPullTool ? 0.125 + 0.002 * i : 0.14 - 0.003 * i;
       const Vec3 place(0.03 - 0.001 * i, out, 0.01 - 0.002 * i);
       const Eigen::Quaterniond rotation(Eigen::AngleAxisd(0.02 * i, Vec3::UnitX()));
-      workshop.frame(fitAt(by * place, by * rotation), with(*tool, {true, true, false}));
+      workshop.frame(gpuHandAt(by * place, by * rotation), with(*tool, {true, true, false}));
     }
     std::vector<Vec3> surface = workshop.surface();
     for (Vec3& point : surface) point = by.conjugate() * point;
@@ -374,7 +374,7 @@ TEST(Tools, SymmetryOnAnyMeshDoesBothSidesAsTheMirroredHandWould) {
       Workshop workshop(cage, &kSolveTouched, hand);
       for (int i = 0; i <= 8; ++i) {
         const double out = tool == &kPullTool ? 0.125 + 0.002 * i : 0.14 - 0.003 * i;
-        workshop.frame(fitAt(Vec3(side < 0 ? -out : out, 0.01, 0)), with(*tool, {side == 0, false, false}));
+        workshop.frame(gpuHandAt(Vec3(side < 0 ? -out : out, 0.01, 0)), with(*tool, {side == 0, false, false}));
       }
       surfaces.push_back(workshop.surface());
     }
@@ -394,7 +394,7 @@ TEST(Tools, SwitchingInTheMiddleJumpsNowhere) {
   for (const SolveMethod* rows : kBothSolves) {
     Workshop workshop(ballCage(1), rows, ballHand(kBallRadius_m));
     // the hand stays, half in the clay: no switch moves anything but smoothing, which does little in a frame
-    const GpuFit still = fitAt(Vec3(0.11, 0, 0));
+    const GpuHandPose still = gpuHandAt(Vec3(0.11, 0, 0));
     workshop.frame(still, with(kPushTool));
     const std::vector<Vec3> before = workshop.surface();
     for (int i = 0; i < 3; ++i)
@@ -416,7 +416,7 @@ TEST(Tools, AnOpenSheetIsPulledBySymmetricHands) {
     Workshop workshop(sheetCage(12), rows, ballHand(kBallRadius_m));
     const std::vector<Vec3> before = workshop.surface();
     for (int i = 0; i <= 10; ++i)
-      workshop.frame(fitAt(Vec3(0.06, 0, 0.032 + 0.002 * i)), with(kPullTool, {true, false, false}));
+      workshop.frame(gpuHandAt(Vec3(0.06, 0, 0.032 + 0.002 * i)), with(kPullTool, {true, false, false}));
     const std::vector<Vec3> after = workshop.surface();
     EXPECT_LT(asymmetry(after, Vec3(-1, 1, 1)), 1e-6);
     double right = 0, left = 0;

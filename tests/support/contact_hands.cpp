@@ -35,18 +35,18 @@ HandModel boxHand(const Vec3& size_m) {
   return handOf(points, {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}});
 }
 
-GpuFit fitAt(const Vec3& position_m, const Eigen::Quaterniond& rotation) {
-  GpuFit fit{};
-  fit.rotation = rotation.coeffs().cast<float>();
-  fit.position = position_m.cast<float>();
-  fit.tracked = 1;
-  return fit;
+GpuHandPose gpuHandAt(const Vec3& position_m, const Eigen::Quaterniond& rotation) {
+  GpuHandPose hand{};
+  hand.rotation = rotation.coeffs().cast<float>();
+  hand.position = position_m.cast<float>();
+  hand.tracked = 1;
+  return hand;
 }
 
-GpuFit lostFit() {
-  GpuFit fit = fitAt(Vec3(9, 9, 9));
-  fit.tracked = 0;
-  return fit;
+GpuHandPose lostHand() {
+  GpuHandPose hand = gpuHandAt(Vec3(9, 9, 9));
+  hand.tracked = 0;
+  return hand;
 }
 
 }  // namespace airclay

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "engine/hand/hand_model.h"
-#include "shaders/hand/fit_io.h"
+#include "engine/hand/hand_pose.h"
 
 namespace airclay {
 
@@ -14,7 +14,7 @@ HandModel ballHand(double radius_m);
 /// A box about the origin.
 HandModel boxHand(const Vec3& size_m);
 
-GpuFit fitAt(const Vec3& position_m, const Eigen::Quaterniond& rotation = Eigen::Quaterniond::Identity());
-GpuFit lostFit();
+GpuHandPose gpuHandAt(const Vec3& position_m, const Eigen::Quaterniond& rotation = Eigen::Quaterniond::Identity());
+GpuHandPose lostHand();
 
 }  // namespace airclay
