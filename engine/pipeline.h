@@ -38,12 +38,13 @@ enum class HandState {
 
 /// What the cameras recorded at one instant, besides the images.
 struct FrameInput {
-  std::uint32_t missing_cameras = 0;    ///< bit k: camera k has no image of this instant and is left out
+  std::uint32_t missing_cameras = 0;   ///< bit k: camera k has no image of this instant and is left out
   std::vector<double> camera_times_s;  ///< each camera's own timestamp, in the rig's order; may be empty
 };
 
 struct FrameResult {
-  /// The hands in the voxel model, tracked or lost: at most kMaxHands, empty if nothing there could be a hand.
+  /// The hands in the voxel model, tracked or lost: at most kMaxHands, empty if nothing there could be a
+  /// hand.
   std::vector<HandFit> hands;
   ClayStep clay;
   bool searched = false;  ///< the hand was looked for all around: such a frame takes longer

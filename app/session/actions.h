@@ -16,9 +16,10 @@
 //                                       `pull:reach=12`, the symmetry (xyz or -), 1 while the clutch lets the
 //                                       hand shape the clay, 1 with the One Euro filter; then `without BITS`
 //                                       where cameras were missing, bit k the k-th; or, of the mouse's hand,
-//                                       12 numbers: world_from_hand, three rows of four; then, of a hand that is
-//                                       not in the rest pose, `joints N` and 3 N numbers: HandPose::joint_angles;
-//                                       a second hand follows after `and`; or `nobody`
+//                                       12 numbers: world_from_hand, three rows of four; then, of a hand that
+//                                       is not in the rest pose, `joints N` and 3 N numbers:
+//                                       HandPose::joint_angles; a second hand follows after `and`; or
+//                                       `nobody`
 //     stroke                            the stroke under way ended here
 //     undo | redo | refine | again      again: the source began anew, the hand is looked for
 //     empty                             the empty workspace is forgotten; frames that teach it anew follow

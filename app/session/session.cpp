@@ -37,9 +37,8 @@ TrackingState trustIn(const FrameResult& result) {
   }
   // a pose from a search has no motion to confirm it yet
   const HandFit& fit = *result.trackedHand();
-  const bool doubtful =
-      result.searched || fit.outside_m > kDoubtfulMetres ||
-      (fit.outside_fraction > kDoubtfulShare && fit.outside_m > kDoubtfulMetres / 2);
+  const bool doubtful = result.searched || fit.outside_m > kDoubtfulMetres ||
+                        (fit.outside_fraction > kDoubtfulShare && fit.outside_m > kDoubtfulMetres / 2);
   return doubtful ? TrackingState::kUncertain : TrackingState::kTracking;
 }
 

@@ -113,7 +113,8 @@ void HandTracker::recordTracking(Recorder& recorder) {
   if (frames_ >= 2) {
     // the same motion once more
     const Eigen::Quaterniond turn = rotationOf(last_) * rotationOf(before_last_).conjugate();
-    const Vec3 position = last_.pose.position.cast<double>(), before = before_last_.pose.position.cast<double>();
+    const Vec3 position = last_.pose.position.cast<double>(),
+               before = before_last_.pose.position.cast<double>();
     fits_.host()[1] = startAt((turn * rotationOf(last_)).normalized(), 2 * position - before);
     std::ranges::copy(last_.pose.joint_angles, fits_.host()[1].pose.joint_angles);
     count = 2;

@@ -38,8 +38,8 @@ class ContactFrame {
   /// The next frame starts over, as if tracking began.
   void forget() { forget_ = true; }
 
-  /// Starts a frame: element 0 of `hands` is the pose of the hand that sculpts, `held` the clutch. The check looks at `images` of
-  /// each data point in workgroups of their own.
+  /// Starts a frame: element 0 of `hands` is the pose of the hand that sculpts, `held` the clutch. The check
+  /// looks at `images` of each data point in workgroups of their own.
   void recordBegin(Recorder& recorder, const Buffer<GpuHandPose>& hands, bool held, std::uint32_t images = 1);
 
   const Buffer<GpuContactFrame>& state() const { return state_; }

@@ -26,9 +26,9 @@ class Sculptor {
   /// With the hand's contactGrid(), which takes a while to compute.
   Sculptor(Gpu& gpu, Clay& clay, const DistanceGrid& hand);
 
-  /// Records a frame: element 0 of `hands` is the hand that sculpts. The clay moves only where the hand was tracked
-  /// and held in this frame and the last, with the same tool and symmetry. \pre nothing recorded before is
-  /// still running
+  /// Records a frame: element 0 of `hands` is the hand that sculpts. The clay moves only where the hand was
+  /// tracked and held in this frame and the last, with the same tool and symmetry. \pre nothing recorded
+  /// before is still running
   void record(Recorder& recorder, const Buffer<GpuHandPose>& hands, const SculptControls& controls = {});
   /// After the submission: whether finishOnHost() has work to do.
   bool needsHost() const;

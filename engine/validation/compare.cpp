@@ -392,8 +392,7 @@ void compareContact(Scene& scene, Comparisons& comparisons) {
   double error_m = 0;
   std::size_t reached = 0;
   for (int frame = scene.cameras.backgroundFrames(); frame <= kPressingFrame; frame += 2) {
-    hands.host()[0] =
-        gpuHandPose({*scene.cameras.pose(frame), {}}, poseFrame(model, scene.rig.workspace));
+    hands.host()[0] = gpuHandPose({*scene.cameras.pose(frame), {}}, poseFrame(model, scene.rig.workspace));
     scene.recorder.begin();
     contact_frame.recordBegin(scene.recorder, hands, true);
     finder.recordCheck(scene.recorder, data_points, true);

@@ -342,7 +342,8 @@ class Follower {
   void follow(const Pose& truth) {
     const FrameResult result = pipeline_.trackImages();
     EXPECT_EQ(result.state(), HandState::kTracked);
-    errors_mm.push_back(1000 * poseError(result.trackedHand()->pose.world_from_hand, truth, Vec3::Zero()).shift_m);
+    errors_mm.push_back(1000 *
+                        poseError(result.trackedHand()->pose.world_from_hand, truth, Vec3::Zero()).shift_m);
   }
 
   std::vector<std::span<std::uint8_t>> images;  ///< where the next ones go

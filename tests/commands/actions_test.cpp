@@ -31,9 +31,11 @@ HandPose handAt(double x, int joints) {
 TEST(ActionsFile, HandsAreReadAsWritten) {
   TemporaryFolder folder;
   std::vector<ReplayFrame> frames;
-  for (const std::vector<HandPose>& hands :
-       {std::vector<HandPose>{}, {handAt(0.1, 0)}, {handAt(0.2, 25)}, {handAt(0.3, 0), handAt(0.4, 0)},
-        {handAt(0.5, 25), handAt(0.6, 3)}}) {
+  for (const std::vector<HandPose>& hands : {std::vector<HandPose>{},
+                                             {handAt(0.1, 0)},
+                                             {handAt(0.2, 25)},
+                                             {handAt(0.3, 0), handAt(0.4, 0)},
+                                             {handAt(0.5, 25), handAt(0.6, 3)}}) {
     frames.push_back(mouseFrame(0.1 * double(frames.size())));
     frames.back().given_hands = hands;
   }

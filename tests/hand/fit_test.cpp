@@ -406,7 +406,8 @@ TEST(Fit, PosesThereAndBackAreTheSame) {
   pose.linear() = rotationFromVector(Vec3(0.4, -2, 1));
   pose.translation() = Vec3(0.9, -2.1, 0.55);
   const GpuFit fit = fitAt({pose, {}}, model, workspace);
-  EXPECT_LT((fit.pose.position.cast<double>() - (pose * model.center_of_mass - workspace.center)).norm(), 1e-7);
+  EXPECT_LT((fit.pose.position.cast<double>() - (pose * model.center_of_mass - workspace.center)).norm(),
+            1e-7);
   EXPECT_LT((rootOf(fit, model, workspace).matrix() - pose.matrix()).norm(), 1e-6);
 }
 

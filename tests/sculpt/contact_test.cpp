@@ -114,7 +114,8 @@ TEST(Contact, AFastThinPlateDoesNotPassAndKeepsItsSide) {
   Scene scene(boxHand({0.08, 0.08, 0.004}), planePoints());
   scene.frame(gpuHandAt({0, 0, 0.05}));
   scene.frame(gpuHandAt({0, 0, 0.0015}));  // half a millimetre deep
-  scene.frame(gpuHandAt({0, 0, -0.02}));  // the points come out of the plate's back, were it not for their memory
+  scene.frame(
+      gpuHandAt({0, 0, -0.02}));  // the points come out of the plate's back, were it not for their memory
   int reached = 0;
   for (const GpuContactPoint& point : scene.finder.points()) {
     const double from_axis = point.position.head<2>().cwiseAbs().maxCoeff();
@@ -205,7 +206,8 @@ TEST(Contact, EqualsTheReference) {
   int compared = 0, reached = 0, different = 0;
   for (int frame = 0; frame < 12; ++frame) {
     const Eigen::Quaterniond rotation(Eigen::AngleAxisd(0.15 * frame, Vec3(1, 2, -1).normalized()));
-    const GpuHandPose now = gpuHandAt(before.position.cast<double>() + Vec3(0, 0, -0.02) + 0.01 * vector(), rotation);
+    const GpuHandPose now =
+        gpuHandAt(before.position.cast<double>() + Vec3(0, 0, -0.02) + 0.01 * vector(), rotation);
     for (int repeat = 0; repeat < 3; ++repeat) {
       const std::vector<GpuContactPoint> start = scene.finder.points();
       ContactMotion motion{repeat == 0 ? poseOf(before) : poseOf(now), poseOf(now), false, repeat == 0};

@@ -59,7 +59,8 @@ TEST(Grip, EqualsTheReference) {
       EXPECT_TRUE(hazards(recorder.commands()).empty());
       return grip.points();
     };
-    const GpuHandPose before = turnedFit(0.4, Vec3(0.02, 0.01, 0.03)), now = turnedFit(0.7, Vec3(0.03, 0, 0.01));
+    const GpuHandPose before = turnedFit(0.4, Vec3(0.02, 0.01, 0.03)),
+                      now = turnedFit(0.7, Vec3(0.03, 0, 0.01));
     const std::vector<GpuGripPoint> held = check(before);
     int differ = 0, count = 0;
     for (std::size_t i = 0; i < start.size(); ++i) {

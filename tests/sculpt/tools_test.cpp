@@ -374,7 +374,8 @@ TEST(Tools, SymmetryOnAnyMeshDoesBothSidesAsTheMirroredHandWould) {
       Workshop workshop(cage, &kSolveTouched, hand);
       for (int i = 0; i <= 8; ++i) {
         const double out = tool == &kPullTool ? 0.125 + 0.002 * i : 0.14 - 0.003 * i;
-        workshop.frame(gpuHandAt(Vec3(side < 0 ? -out : out, 0.01, 0)), with(*tool, {side == 0, false, false}));
+        workshop.frame(gpuHandAt(Vec3(side < 0 ? -out : out, 0.01, 0)),
+                       with(*tool, {side == 0, false, false}));
       }
       surfaces.push_back(workshop.surface());
     }

@@ -14,7 +14,8 @@ HandModel ballHand(double radius_m);
 /// A box about the origin.
 HandModel boxHand(const Vec3& size_m);
 
-GpuHandPose gpuHandAt(const Vec3& position_m, const Eigen::Quaterniond& rotation = Eigen::Quaterniond::Identity());
+GpuHandPose gpuHandAt(const Vec3& position_m,
+                      const Eigen::Quaterniond& rotation = Eigen::Quaterniond::Identity());
 GpuHandPose lostHand();
 
 }  // namespace airclay
