@@ -72,7 +72,7 @@ void expectSuccess(const std::vector<std::string>& arguments,
 /// Silhouettes of a sphere as a take: frame 3 shows it, the frames before are empty.
 void writeSphereTake(const fs::path& folder, const Rig& rig, const Vec3& centre, double radius_m) {
   fs::create_directories(folder);
-  writeRig(folder / "rig.toml", rig, WrittenRotations::kMatrices);
+  writeRig(folder / "rig.toml", rig, RotationFormat::kMatrices);
   const std::vector<Mask> masks = sphereMasks(rig, centre, radius_m);
   for (std::size_t c = 0; c < masks.size(); ++c) {
     Mask mask = masks[c];

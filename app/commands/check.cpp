@@ -46,8 +46,8 @@ std::string sizeText(int width, int height) {
 
 /// The rig's cameras and everything that is wrong with them.
 Rig checkRigFile(const std::filesystem::path& file, RigUnits units, Findings& findings) {
-  const RigReading reading = readAnyRig(file, units);
-  for (const RigDiagnostic& fault : reading.faults) findings.addError(faultMessage(fault, reading.where));
+  const ParsedRig reading = readAnyRig(file, units);
+  for (const RigDiagnostic& fault : reading.errors) findings.addError(diagnosticMessage(fault, reading.where));
   findings.facts["rig"] = reading.where;
   return reading.rig;
 }
@@ -56,10 +56,10 @@ Rig checkRigFile(const std::filesystem::path& file, RigUnits units, Findings& fi
 void checkGeometry(const Rig& rig, const std::filesystem::path& file, Findings& findings) {
   for (const Camera& camera : rig.cameras)
     if (camera.width <= 0 || camera.height <= 0) return;
-  for (const RigDiagnostic& fault : rigErrors(rig)) findings.addError(faultMessage(fault, file.string()));
-  if (!canBeMeasured(rig)) return;
+  for (const RigDiagnostic& fault : rigErrors(rig)) findings.addError(diagnosticMessage(fault, file.string()));
+  if (!isMeasurable(rig)) return;
   for (const RigDiagnostic& warning : rigWarnings(rig))
-    findings.warnings.push_back(faultMessage(warning, file.string()));
+    findings.warnings.push_back(diagnosticMessage(warning, file.string()));
 }
 
 void checkRigAlone(const CheckInputOptions& options, Findings& findings) {

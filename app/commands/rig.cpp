@@ -38,22 +38,22 @@ struct CheckOptions : RigOptions {
 };
 
 /// Applies --center and --edge.
-void moveWorkspace(const RigOptions& options, RigReading& reading) {
+void moveWorkspace(const RigOptions& options, ParsedRig& reading) {
   if (options.edge_m > 0) reading.rig.workspace.edge_m = options.edge_m;
   if (options.center.empty()) return;
   if (options.center != "auto") {
     reading.rig.workspace.center = parsePoint("--center", options.center);
     return;
   }
-  const std::optional<Vec3> meet = whereAxesMeet(reading.rig);
+  const std::optional<Vec3> meet = axesIntersection(reading.rig);
   if (!meet)
     throw Error(reading.where + ": the cameras' axes do not meet before them; --center X,Y,Z would be right");
   reading.rig.workspace.center = *meet;
 }
 
-RigReading readTheRig(const RigOptions& options) {
+ParsedRig readTheRig(const RigOptions& options) {
   if (!options.center.empty() && options.center != "auto") parsePoint("--center", options.center);
-  RigReading reading = readAnyRig(options.rig, parseUnits(options.units));
+  ParsedRig reading = readAnyRig(options.rig, parseUnits(options.units));
   moveWorkspace(options, reading);
   return reading;
 }
@@ -73,8 +73,8 @@ void runConvert(const ConvertOptions& options) {
   if (form == RigFormat::kEasyMocap && std::filesystem::path(options.out).has_extension())
     throw Error("--out " + options.out + ": EasyMocap's rig is two files; a folder's name would be right",
                 Fault::kUsage);
-  RigReading reading = readTheRig(options);
-  Rig rig = reading.rigWithoutFaults();
+  ParsedRig reading = readTheRig(options);
+  Rig rig = reading.validRig();
   const bool lacks_sizes = std::any_of(rig.cameras.begin(), rig.cameras.end(),
                                        [](const Camera& camera) { return camera.width == 0; });
   if (lacks_sizes) inspectTake(recordingsOf(options), rig, {.instants = 0});
@@ -94,7 +94,7 @@ void runConvert(const ConvertOptions& options) {
 /// Everything known about a rig.
 struct RigReport {
   std::string where;
-  std::optional<RigFigures> figures;           ///< nullopt if the rig cannot be measured
+  std::optional<RigMetrics> figures;           ///< nullopt if the rig cannot be measured
   std::vector<SilhouetteAgreement> agreement;  ///< one per camera; empty without silhouettes
   std::vector<RigDiagnostic> findings;
 
@@ -103,7 +103,7 @@ struct RigReport {
   }
   std::size_t faults() const {
     return std::size_t(std::count_if(findings.begin(), findings.end(), [](const RigDiagnostic& finding) {
-      return finding.severity == Severity::kFault;
+      return finding.severity == Severity::kError;
     }));
   }
 };
@@ -112,7 +112,7 @@ struct RigReport {
 RigReport reportOn(const CheckOptions& options) {
   RigReport report;
   report.where = options.rig;
-  RigReading reading;
+  ParsedRig reading;
   try {
     reading = readTheRig(options);
   } catch (const Error& error) {
@@ -120,11 +120,11 @@ RigReport reportOn(const CheckOptions& options) {
     // The error may name the other file of a pair.
     if (!std::string(error.what()).starts_with(report.where))
       report.where = std::filesystem::path(options.rig).parent_path().string();
-    report.findings.push_back(faultFrom(error, report.where));
+    report.findings.push_back(diagnosticFromError(error, report.where));
     return report;
   }
   report.where = reading.where;
-  report.add(reading.faults);
+  report.add(reading.errors);
   TakeInspection take;
   if (!options.take.empty()) {
     const ProgressTask progress("looking at the recording", options.printsMessages());
@@ -133,10 +133,10 @@ RigReport reportOn(const CheckOptions& options) {
   }
   const std::vector<RigDiagnostic> faults = rigErrors(reading.rig);
   report.add(faults);
-  if (!canBeMeasured(reading.rig)) return report;
+  if (!isMeasurable(reading.rig)) return report;
   report.figures = measureRig(reading.rig);
   report.add(rigWarnings(reading.rig));
-  const bool fits = take.findings.empty() && reading.faults.empty() && reading.rig.cameras.size() >= 2;
+  const bool fits = take.findings.empty() && reading.errors.empty() && reading.rig.cameras.size() >= 2;
   if (!fits || take.instants.empty()) return report;
   const ProgressTask progress("carving", options.printsMessages());
   report.agreement = silhouetteAgreement(reading.rig, take.instants);
@@ -147,22 +147,22 @@ RigReport reportOn(const CheckOptions& options) {
 ordered_json jsonOf(const RigReport& report) {
   ordered_json cameras = ordered_json::array(), findings = ordered_json::array();
   for (std::size_t i = 0; report.figures && i < report.figures->cameras.size(); ++i) {
-    const CameraFigures& figures = report.figures->cameras[i];
+    const CameraMetrics& figures = report.figures->cameras[i];
     ordered_json camera = {{"name", figures.name},
                            {"size", {figures.width, figures.height}},
                            {"view_deg", figures.view_deg},
                            {"distance_m", figures.distance_m},
                            {"pixels_per_mm", figures.pixels_per_mm},
-                           {"seen", figures.seen_share}};
-    if (!report.agreement.empty()) camera["explained"] = report.agreement[i].explainedShare();
+                           {"seen", figures.seen_fraction}};
+    if (!report.agreement.empty()) camera["explained"] = report.agreement[i].explainedFraction();
     cameras.push_back(camera);
   }
   for (const RigDiagnostic& finding : report.findings)
     findings.push_back({{"camera", finding.camera},
-                        {"severity", finding.severity == Severity::kFault ? "fault" : "suspicion"},
-                        {"what", finding.what}});
+                        {"severity", finding.severity == Severity::kError ? "fault" : "suspicion"},
+                        {"what", finding.message}});
   ordered_json object = {{"cameras", cameras}};
-  if (report.figures) object["seen_by_two"] = report.figures->seen_by_two;
+  if (report.figures) object["seen_by_two"] = report.figures->seen_by_two_fraction;
   object["findings"] = findings;
   object["ok"] = report.faults() == 0;
   return object;
@@ -178,19 +178,19 @@ void printReport(const RigReport& report) {
         {"CAMERA", "SIZE", "VIEW", "DISTANCE", "PIXELS/MM", "SEES OF CUBE"}};
     if (!report.agreement.empty()) rows[0].push_back("SILHOUETTE EXPLAINED");
     for (std::size_t i = 0; i < report.figures->cameras.size(); ++i) {
-      const CameraFigures& camera = report.figures->cameras[i];
+      const CameraMetrics& camera = report.figures->cameras[i];
       rows.push_back({camera.name, std::to_string(camera.width) + " x " + std::to_string(camera.height),
                       fixed(camera.view_deg, 1) + " deg", fixed(camera.distance_m, 3) + " m",
-                      fixed(camera.pixels_per_mm, 2), percent(camera.seen_share)});
-      if (!report.agreement.empty()) rows.back().push_back(percent(report.agreement[i].explainedShare()));
+                      fixed(camera.pixels_per_mm, 2), percent(camera.seen_fraction)});
+      if (!report.agreement.empty()) rows.back().push_back(percent(report.agreement[i].explainedFraction()));
     }
     printTable(rows);
-    std::puts(("two cameras or more see " + percent(report.figures->seen_by_two) + " of the cube").c_str());
+    std::puts(("two cameras or more see " + percent(report.figures->seen_by_two_fraction) + " of the cube").c_str());
   }
   for (const RigDiagnostic& finding : report.findings) {
     const std::string whose = finding.camera.empty() ? "" : "camera \"" + finding.camera + "\": ";
     const std::string line =
-        (finding.severity == Severity::kFault ? "fault: " : "suspicion: ") + whose + finding.what;
+        (finding.severity == Severity::kError ? "fault: " : "suspicion: ") + whose + finding.message;
     std::puts(oneLine(line).c_str());
   }
   if (report.findings.empty()) std::puts("no problems found");
@@ -204,8 +204,8 @@ void runCheck(const CheckOptions& options, int& status) {
   if (faults == 0) return;
   const auto first =
       std::find_if(report.findings.begin(), report.findings.end(),
-                   [](const RigDiagnostic& finding) { return finding.severity == Severity::kFault; });
-  printWarning(faultMessage(*first, report.where) +
+                   [](const RigDiagnostic& finding) { return finding.severity == Severity::kError; });
+  printWarning(diagnosticMessage(*first, report.where) +
                (faults > 1 ? " (and " + counted(faults - 1, "more fault") + ")" : ""));
   status = static_cast<int>(Fault::kInput);
 }

@@ -119,36 +119,36 @@ Camera easyMocapCamera(const YamlFile& intri, const YamlFile& extri, const std::
 
 /// One part after the other: what is wrong with one does not hide the others.
 template <class Work>
-void keepFault(RigReading& reading, Work work) {
+void collectError(ParsedRig& reading, Work work) {
   try {
     work();
   } catch (const Error& error) {
-    reading.faults.push_back(faultFrom(error, reading.where));
+    reading.errors.push_back(diagnosticFromError(error, reading.where));
   }
 }
 
-RigReading readEasyMocap(const std::filesystem::path& folder, RigUnits units) {
+ParsedRig readEasyMocap(const std::filesystem::path& folder, RigUnits units) {
   const YamlFile intri(folder / "intri.yml"), extri(folder / "extri.yml");
   const double metres = units == RigUnits::kMillimetres ? 1e-3 : 1;
-  RigReading reading;
+  ParsedRig reading;
   reading.where = folder.string();
   for (const std::string& name : cameraNames(intri))
-    keepFault(reading, [&] { reading.rig.cameras.push_back(easyMocapCamera(intri, extri, name, metres)); });
-  keepFault(reading, [&] { reading.rig.workspace = readWorkspace(extri); });
+    collectError(reading, [&] { reading.rig.cameras.push_back(easyMocapCamera(intri, extri, name, metres)); });
+  collectError(reading, [&] { reading.rig.workspace = readWorkspace(extri); });
   return reading;
 }
 
 /// \param extri the same file, where one holds both
-RigReading readStereo(const YamlFile& intri, const YamlFile& extri, RigUnits units) {
+ParsedRig readStereo(const YamlFile& intri, const YamlFile& extri, RigUnits units) {
   const std::filesystem::path file = intri.path(), folder = file.parent_path();
-  RigReading reading;
+  ParsedRig reading;
   reading.where = &intri == &extri ? file.string() : folder.string();
   if (units == RigUnits::kAsWritten)
-    reading.faults.push_back(
-        {Severity::kFault, "", "the unit of T is not written; --units m or mm would be right"});
+    reading.errors.push_back(
+        {Severity::kError, "", "the unit of T is not written; --units m or mm would be right"});
   const double metres = units == RigUnits::kMillimetres ? 1e-3 : 1;
   for (const bool is_right : {false, true})
-    keepFault(reading, [&] {
+    collectError(reading, [&] {
       const std::string number = is_right ? "2" : "1";
       CameraEntry camera;
       camera.name = is_right ? "right" : "left";
@@ -166,7 +166,7 @@ RigReading readStereo(const YamlFile& intri, const YamlFile& extri, RigUnits uni
 
 }  // namespace
 
-RigReading readOpenCvRig(const std::filesystem::path& file, RigUnits units) {
+ParsedRig readOpenCvRig(const std::filesystem::path& file, RigUnits units) {
   quietOpenCv();
   const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
   const std::string name = file.filename().string();
@@ -192,7 +192,7 @@ std::optional<std::filesystem::path> rigFileIn(const std::filesystem::path& fold
   return std::nullopt;
 }
 
-RigReading readAnyRig(const std::filesystem::path& rig, RigUnits units) {
+ParsedRig readAnyRig(const std::filesystem::path& rig, RigUnits units) {
   std::filesystem::path file = rig;
   if (std::filesystem::is_directory(rig)) {
     const std::optional<std::filesystem::path> found = rigFileIn(rig);
@@ -205,7 +205,7 @@ RigReading readAnyRig(const std::filesystem::path& rig, RigUnits units) {
   }
   const std::string ending = file.extension().string();
   const bool is_storage = ending == ".yml" || ending == ".yaml" || ending == ".xml" || ending == ".json";
-  return is_storage ? readOpenCvRig(file, units) : readRigWithFaults(file, units);
+  return is_storage ? readOpenCvRig(file, units) : parseRig(file, units);
 }
 
 }  // namespace airclay

@@ -14,11 +14,11 @@ namespace airclay {
 ///   user said, so `units` must say it.
 /// `file`: either file of a pair. A camera whose size is not written is 0 x 0.
 /// \throw Error naming file, camera and key when it is no such file.
-RigReading readOpenCvRig(const std::filesystem::path& file, RigUnits units);
+ParsedRig readOpenCvRig(const std::filesystem::path& file, RigUnits units);
 
 /// The rig of a file, by its ending: TOML, else OpenCV's YAML (or XML, or JSON); or that of a folder.
-/// \throw Error as readRigWithFaults and readOpenCvRig, or when a folder has none.
-RigReading readAnyRig(const std::filesystem::path& rig, RigUnits units);
+/// \throw Error as parseRig and readOpenCvRig, or when a folder has none.
+ParsedRig readAnyRig(const std::filesystem::path& rig, RigUnits units);
 
 /// The file of a take's folder that says its rig; none where there is none.
 std::optional<std::filesystem::path> rigFileIn(const std::filesystem::path& folder);

@@ -78,7 +78,7 @@ void Take::Parts::openRig() {
         folder.string() +
         ": the take has no rig; rig.toml (or camera_array.toml, or intri.yml with extri.yml) would be right");
   rig_file = *found;
-  rig = readAnyRig(rig_file, options.units).rigWithoutFaults();
+  rig = readAnyRig(rig_file, options.units).validRig();
 }
 
 void Take::Parts::openFrames() {

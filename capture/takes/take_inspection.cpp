@@ -64,14 +64,14 @@ class Look {
       else
         segment();
     } catch (const Error& error) {
-      result_.findings.push_back(faultFrom(error, folder_.string()));
+      result_.findings.push_back(diagnosticFromError(error, folder_.string()));
     }
     return std::move(result_);
   }
 
  private:
   void add(const std::string& camera, const std::string& what) {
-    result_.findings.push_back({Severity::kFault, camera, what});
+    result_.findings.push_back({Severity::kError, camera, what});
   }
 
   void openFrames() {

@@ -110,7 +110,7 @@ struct TakeWriter::Parts {
 void TakeWriter::Parts::open() {
   quietOpenCv();
   makeEmptyFolder(folder);
-  if (options.writes_rig) writeRig(folder / "rig.toml", rig, WrittenRotations::kMatrices);
+  if (options.writes_rig) writeRig(folder / "rig.toml", rig, RotationFormat::kMatrices);
   if (options.content == Content::kNothing) return;
   videos.resize(rig.cameras.size());
   for (std::size_t c = 0; c < rig.cameras.size(); ++c) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A camera's name and the name of its video.
+// Camera names and the file names of their videos.
 #pragma once
 
 #include <array>
@@ -7,13 +7,14 @@
 
 namespace airclay {
 
-/// The endings of videos that a take may hold, in small letters; a file may write them in capitals.
-inline constexpr std::array kVideoEndings{".mp4", ".mkv", ".avi", ".mov", ".webm", ".m4v", ".mts"};
+/// The extensions of a take's videos, in lower case; files may use any case.
+inline constexpr std::array kVideoExtensions{".mp4", ".mkv", ".avi", ".mov", ".webm", ".m4v", ".mts"};
 
-/// Whether a file's name ends like a video's, in small letters or capitals.
+/// Whether a file name has a video's extension, in any case.
 bool isVideoName(const std::string& file);
 
-/// The camera that a rig means by `name`: without the folders and the ending of its video.
+/// The camera that a rig's `name` denotes: a video's path without folders and extension, any other name
+/// unchanged.
 std::string cameraNameOf(const std::string& name);
 
 }  // namespace airclay

@@ -12,8 +12,8 @@ namespace {
 
 static_assert(sizeof(GpuCamera) == 152, "lens.glsl loads it by this size");
 
-/// The undistorted position, as GpuCamera measures it, of the ray through a pixel; the lens' limit where none
-/// arrives.
+/// The undistorted position (r or θ, as in GpuCamera::visible) of the ray through a pixel; the lens model's
+/// limit if no ray reaches the pixel.
 double positionOfPixel(const Lens& lens, const Vec2& pixel) {
   const std::optional<Vec3> ray = rayThroughPixel(lens, pixel);
   if (!ray) return lens.monotonic_limit;
@@ -21,7 +21,7 @@ double positionOfPixel(const Lens& lens, const Vec2& pixel) {
   return lens.model == LensModel::kFisheye ? std::atan2(across, ray->z()) : across / ray->z();
 }
 
-/// The farthest undistorted position in the image: that of a border pixel.
+/// The largest undistorted position in the image; it occurs at the border.
 double farthestVisible(const Camera& camera) {
   constexpr int samples = 64;
   double farthest = 0;
@@ -32,13 +32,13 @@ double farthestVisible(const Camera& camera) {
          {Vec2(u, -0.5), Vec2(u, camera.height - 0.5), Vec2(-0.5, v), Vec2(camera.width - 0.5, v)})
       farthest = std::max(farthest, positionOfPixel(camera.lens, pixel));
   }
-  return 1.01 * farthest;  // between the samples
+  return 1.01 * farthest;  // margin for positions between the samples
 }
 
-/// The largest partial derivatives of the distortion up to `reach`, {of a coordinate by itself, by the
-/// other}, by central differences on a polar grid; of the fisheye, {of the position in the image by the
-/// direction's angle, 0}.
-std::pair<double, double> steepness(const Lens& lens, double reach) {
+/// The largest partial derivatives of the distortion up to `reach`, by central differences on a polar grid:
+/// {of a coordinate with respect to itself, to the other one}; for the fisheye, {of the image position with
+/// respect to the angle, 0}.
+std::pair<double, double> maxStretch(const Lens& lens, double reach) {
   Lens unit = lens;
   unit.fx = unit.fy = 1;
   unit.cx = unit.cy = 0;
@@ -52,7 +52,7 @@ std::pair<double, double> steepness(const Lens& lens, double reach) {
       const Vec2 x = position * Vec2(std::cos(angle), std::sin(angle));
       const auto at = [&](double dx, double dy) -> std::optional<Vec2> {
         if (!fisheye) return projectThroughLens(unit, Vec3(x.x() + dx, x.y() + dy, 1));
-        // two orthonormal directions of change: away from the axis, and around it
+        // two orthonormal directions: away from the axis, and around it
         const Vec3 p(std::sin(position + dx), dy, std::cos(position + dx));
         return projectThroughLens(unit, Eigen::AngleAxisd(angle, Vec3::UnitZ()) * p);
       };
@@ -67,7 +67,7 @@ std::pair<double, double> steepness(const Lens& lens, double reach) {
         cross = std::max({cross, std::abs(jacobian(0, 1)), std::abs(jacobian(1, 0))});
       }
     }
-  return {1.02 * same, 1.02 * cross};  // between the samples
+  return {1.02 * same, 1.02 * cross};  // margin for positions between the samples
 }
 
 }  // namespace
@@ -89,20 +89,20 @@ GpuCamera gpuCamera(const Camera& camera, const Workspace& workspace) {
                                                : kLensPerspective;
   gpu.width = static_cast<std::uint32_t>(camera.width);
   gpu.height = static_cast<std::uint32_t>(camera.height);
-  // its square must stay a float
+  // its square must be finite in single precision
   gpu.limit = static_cast<float>(std::min(lens.monotonic_limit, 1e18));
   const double visible = std::min(farthestVisible(camera), lens.monotonic_limit);
   gpu.visible = static_cast<float>(visible);
-  const auto [same, cross] = steepness(lens, std::min(1.1 * visible, lens.monotonic_limit));
-  gpu.steepness = static_cast<float>(same);
-  gpu.cross_steepness = static_cast<float>(cross);
+  const auto [same, cross] = maxStretch(lens, std::min(1.1 * visible, lens.monotonic_limit));
+  gpu.max_stretch = static_cast<float>(same);
+  gpu.max_cross_stretch = static_cast<float>(cross);
   return gpu;
 }
 
 GpuRig::GpuRig(Gpu& gpu, const Rig& rig) : rig_(rig) {
-  static_assert(kMaxCameras <= 32, "a camera's number is a bit in one word of the carve kernels");
+  static_assert(kMaxCameras <= 32, "the carve kernels keep one bit per camera in a 32-bit word");
   if (rig.cameras.size() > kMaxCameras)
-    throw Error("the rig has " + std::to_string(rig.cameras.size()) + " cameras; at most " +
+    throw Error("the rig has " + std::to_string(rig.cameras.size()) + " cameras; expected at most " +
                 std::to_string(kMaxCameras));
   for (const Camera& camera : rig.cameras) {
     GpuCamera c = gpuCamera(camera, rig.workspace);

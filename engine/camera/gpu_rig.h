@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A rig as the kernels take it: its cameras, and how their masks lie in memory.
+// A rig in device memory: its cameras, and the memory layout of their masks and images.
 #pragma once
 
 #include "engine/camera/mask.h"
@@ -9,11 +9,11 @@
 
 namespace airclay {
 
-/// The cameras of a rig in device memory. The kernels' world is the workspace's frame: the world moved to the
+/// The cameras of a rig in device memory. Kernels work in the workspace frame: the world frame moved to the
 /// cube's centre.
 class GpuRig {
  public:
-  /// \throw Error past kMaxCameras cameras.
+  /// \throw Error for more than kMaxCameras cameras.
   GpuRig(Gpu& gpu, const Rig& rig);
 
   const Rig& rig() const { return rig_; }
@@ -21,13 +21,13 @@ class GpuRig {
   const Buffer<GpuCamera>& cameras() const { return cameras_; }
   const GpuCamera& camera(std::size_t index) const { return host_cameras_[index]; }
 
-  /// Words of all masks together (see camera_io.h for their layout).
+  /// 32-bit words of all masks together (camera_io.h defines their layout).
   std::uint32_t maskWords() const { return mask_words_; }
-  /// Entries of all masks' tiles (carve_io.h), and the largest number of any camera's bands of 128 pixels.
+  /// Tile entries of all masks together (carve_io.h), and the largest number of 128-pixel bands of any camera.
   std::uint32_t tileEntries() const { return tile_entries_; }
   std::uint32_t maxBands() const { return max_bands_; }
-  /// Words of all images together: BGR bytes, rows without padding, each camera's image at a whole word;
-  /// and one word more, so that a kernel may read four pixels from any byte.
+  /// 32-bit words of all images together: BGR bytes, rows without padding, each image aligned to a word; plus
+  /// one word, so that a kernel can read four bytes at any offset.
   std::uint32_t imageWords() const { return image_words_ + 1; }
   /// Pixels of all images together.
   std::uint32_t pixels() const { return pixels_; }
@@ -39,17 +39,17 @@ class GpuRig {
     return {reinterpret_cast<std::uint8_t*>(images.data() + c.image_words),
             std::size_t(3) * c.width * c.height};
   }
-  /// The largest number of rows, and of words a row, of any camera's mask.
+  /// The largest number of rows, and of words per row, of any camera's mask.
   std::uint32_t maxRows() const { return max_rows_; }
   std::uint32_t maxRowWords() const { return max_row_words_; }
 
-  /// The size that all cameras share, {0, 0} where they differ: specialization constants 1 and 2 of
+  /// The image size common to all cameras; {0, 0} if they differ. Specialization constants 1 and 2 of
   /// image.glsl.
   std::array<std::uint32_t, 2> sameSize() const;
-  /// Bits of the kinds of lens there are: lens.glsl's kLenses.
+  /// One bit per lens kind in use: lens.glsl's kLenses.
   std::uint32_t lensKinds() const;
 
-  /// Packs masks, one a camera, one bit a pixel. \pre sizes are the cameras'
+  /// Packs masks, one per camera, to one bit per pixel. \pre each mask has its camera's size
   void pack(const std::vector<Mask>& masks, std::span<std::uint32_t> words) const;
   /// The inverse of pack().
   std::vector<Mask> unpack(std::span<const std::uint32_t> words) const;
@@ -62,7 +62,7 @@ class GpuRig {
                 image_words_ = 0, pixels_ = 0, max_pixels_ = 0;
 };
 
-/// The kernels' form of a camera, all but the memory layout.
+/// Converts a camera for the kernels; leaves the memory layout at 0.
 GpuCamera gpuCamera(const Camera& camera, const Workspace& workspace);
 
 }  // namespace airclay

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// From a point to a pixel and back, through OpenCV's two lens models (its manual, calib3d: "Camera
-// Calibration and 3D Reconstruction" for the perspective one, "Fisheye camera model"; the latter is Kannala
-// and Brandt 2006).
+// Projection and its inverse for OpenCV's two lens models (calib3d manual: "Camera Calibration and 3D
+// Reconstruction" for the perspective model, "Fisheye camera model" for the other, which is Kannala and Brandt
+// 2006).
 //
-// Both bend a radius and leave its direction: perspective r -> r N(r²) / D(r²) with
+// Both change a radius and keep its direction: perspective r -> r N(r²) / D(r²) with
 //   N(s) = 1 + k1 s + k2 s² + k3 s³,  D(s) = 1 + k4 s + k5 s² + k6 s³,  r = |(x/z, y/z)|,
-// plus tangential terms; fisheye θ -> θ (1 + k1 θ² + k2 θ⁴ + k3 θ⁶ + k4 θ⁸). Past the first turn of that
-// curve two directions share a pixel, and what lies there in the model is no longer light in the lens.
+// plus tangential terms; fisheye θ -> θ (1 + k1 θ² + k2 θ⁴ + k3 θ⁶ + k4 θ⁸). Beyond the first maximum of that
+// curve two directions map to one pixel, and the model no longer describes the lens.
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -16,10 +16,10 @@
 namespace airclay {
 namespace {
 
-// tan(89.994°): a perspective lens that is monotonic up to here is monotonic for every point before it.
+// tan(89.994°): a perspective lens that is monotonic up to here is treated as monotonic everywhere.
 constexpr double kFarRadius = 1e4;
 
-using Coefficients = std::vector<double>;  // of a polynomial, the constant first
+using Coefficients = std::vector<double>;  // of a polynomial, constant term first
 
 double valueAt(const Coefficients& polynomial, double s) {
   double value = 0;
@@ -36,9 +36,9 @@ double bisect(const Coefficients& polynomial, double low, double high) {
   }
 }
 
-/// Where the polynomial changes sign within (0, end), ascending. Between two neighbouring roots of its
-/// derivative a polynomial is monotonic, so each such interval holds one root or none: safe where closed
-/// forms and companion matrices lose the root of a nearly vanishing leading coefficient.
+/// The sign changes of the polynomial in (0, end), ascending. Between two adjacent roots of its derivative a
+/// polynomial is monotonic, so each such interval contains at most one root. This stays reliable for a nearly
+/// vanishing leading coefficient, where closed forms and companion matrices lose a root.
 std::vector<double> signChanges(const Coefficients& polynomial, double end) {
   if (polynomial.size() < 2) return {};
   Coefficients derivative(polynomial.size() - 1);
@@ -63,15 +63,14 @@ Coefficients product(const Coefficients& a, const Coefficients& b) {
   return result;
 }
 
-/// The curve's slope is (N + 2sN')D - 2sND' over D²: the range ends at the numerator's first root or at the
-/// pole.
+/// The curve's slope is ((N + 2sN')D - 2sND') / D²: the range ends at the numerator's first root or at the pole.
 double perspectiveLimit(const std::array<double, 8>& k) {
   const Coefficients numerator{1, k[0], k[1], k[4]}, denominator{1, k[5], k[6], k[7]};
-  const Coefficients grown{1, 3 * k[0], 5 * k[1], 7 * k[4]};  // N + 2sN'
-  const Coefficients bent{0, 2 * k[5], 4 * k[6], 6 * k[7]};   // 2sD'
-  Coefficients slope = product(grown, denominator);
-  const Coefficients less = product(numerator, bent);
-  for (size_t i = 0; i < slope.size(); ++i) slope[i] -= less[i];
+  const Coefficients numerator_term{1, 3 * k[0], 5 * k[1], 7 * k[4]};    // N + 2sN'
+  const Coefficients denominator_term{0, 2 * k[5], 4 * k[6], 6 * k[7]};  // 2sD'
+  Coefficients slope = product(numerator_term, denominator);
+  const Coefficients subtrahend = product(numerator, denominator_term);
+  for (size_t i = 0; i < slope.size(); ++i) slope[i] -= subtrahend[i];
 
   double limit = std::numeric_limits<double>::infinity();
   for (const Coefficients& ends : {slope, denominator}) {
@@ -92,8 +91,8 @@ struct ValueAndSlope {
   double value, slope;
 };
 
-/// The bent radius of r (perspective) or θ (fisheye), and its derivative.
-ValueAndSlope bentRadius(const Lens& lens, double radius) {
+/// The distorted radius for r (perspective) or θ (fisheye), and its derivative.
+ValueAndSlope distortedRadius(const Lens& lens, double radius) {
   const std::array<double, 8>& k = lens.distortion;
   const double s = radius * radius;
   if (lens.model == LensModel::kFisheye)
@@ -105,15 +104,15 @@ ValueAndSlope bentRadius(const Lens& lens, double radius) {
   return {radius * n / d, n / d + 2 * s * (n_slope * d - n * d_slope) / (d * d)};
 }
 
-/// The radius within the monotonic range whose bent radius is `bent`; the range's end where none is.
-/// Newton's steps, halving the bracket where they would leave it.
-double straightRadius(const Lens& lens, double bent) {
+/// The radius in the monotonic range whose distorted radius is `distorted`; the end of the range if there is
+/// none. Newton steps, with bisection where a step would leave the bracket.
+double undistortedRadius(const Lens& lens, double distorted) {
   double low = 0, high = std::min(lens.monotonic_limit, kFarRadius);
-  double radius = std::min(bent, 0.5 * high);
+  double radius = std::min(distorted, 0.5 * high);
   for (int i = 0; i < 200 && low < high; ++i) {
-    const ValueAndSlope f = bentRadius(lens, radius);
-    (f.value < bent ? low : high) = radius;
-    double next = radius - (f.value - bent) / f.slope;
+    const ValueAndSlope f = distortedRadius(lens, radius);
+    (f.value < distorted ? low : high) = radius;
+    double next = radius - (f.value - distorted) / f.slope;
     if (!(next > low && next < high)) next = 0.5 * (low + high);
     if (next == radius || std::abs(next - radius) <= 4e-16 * radius) return next;
     radius = next;
@@ -121,11 +120,11 @@ double straightRadius(const Lens& lens, double bent) {
   return radius;
 }
 
-/// Perspective distortion of the point (x/z, y/z), with its 2 x 2 derivative where asked for.
-Vec2 bend(const Lens& lens, const Vec2& p, Eigen::Matrix2d* derivative) {
+/// Perspective distortion of the point (x/z, y/z); writes its 2 x 2 derivative unless `derivative` is null.
+Vec2 distort(const Lens& lens, const Vec2& p, Eigen::Matrix2d* derivative) {
   const double p1 = lens.distortion[2], p2 = lens.distortion[3];
   const double x = p.x(), y = p.y(), r2 = p.squaredNorm(), r = std::sqrt(r2);
-  const ValueAndSlope f = bentRadius(lens, r);
+  const ValueAndSlope f = distortedRadius(lens, r);
   const double scale = r > 0 ? f.value / r : 1;
   if (derivative) {
     const double scale_slope = r > 0 ? (f.slope - scale) / r2 : 0;  // (d scale / dr) / r
@@ -137,20 +136,20 @@ Vec2 bend(const Lens& lens, const Vec2& p, Eigen::Matrix2d* derivative) {
           y * scale + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y};
 }
 
-/// bend()'s inverse, from the inverse of its radial part: the tangential terms are small beside it.
-std::optional<Vec2> straighten(const Lens& lens, const Vec2& bent) {
-  const double length = bent.norm();
-  Vec2 p = length > 0 ? Vec2(bent * (straightRadius(lens, length) / length)) : Vec2(Vec2::Zero());
+/// The inverse of distort(). Starts from the inverse of the radial part; the tangential terms are small.
+std::optional<Vec2> undistort(const Lens& lens, const Vec2& distorted) {
+  const double length = distorted.norm();
+  Vec2 p = length > 0 ? Vec2(distorted * (undistortedRadius(lens, length) / length)) : Vec2(Vec2::Zero());
   for (int i = 0; i < 50; ++i) {
     Eigen::Matrix2d derivative;
-    const Vec2 miss = bend(lens, p, &derivative) - bent;
-    // 1e-13 of a focal length is 1e-10 pixels; beyond that Newton only stirs the last bits.
-    if (miss.norm() <= 1e-13 * (1 + length)) break;
-    p -= derivative.inverse() * miss;
+    const Vec2 residual = distort(lens, p, &derivative) - distorted;
+    // 1e-13 of a focal length is 1e-10 pixels; below that, only rounding errors remain.
+    if (residual.norm() <= 1e-13 * (1 + length)) break;
+    p -= derivative.inverse() * residual;
     if (!p.allFinite()) return std::nullopt;
   }
-  const bool arrives = (bend(lens, p, nullptr) - bent).norm() <= 1e-11 * (1 + length);
-  if (!arrives || p.norm() > lens.monotonic_limit) return std::nullopt;
+  const bool converged = (distort(lens, p, nullptr) - distorted).norm() <= 1e-11 * (1 + length);
+  if (!converged || p.norm() > lens.monotonic_limit) return std::nullopt;
   return p;
 }
 
@@ -166,16 +165,16 @@ std::optional<Vec2> projectThroughLens(const Lens& lens, const Vec3& point_in_ca
   if (!(point_in_camera.z() > 0)) return std::nullopt;
   const Vec2 p = point_in_camera.head<2>() / point_in_camera.z();
   const double r = p.norm();
-  Vec2 bent;
+  Vec2 distorted;
   if (lens.model == LensModel::kFisheye) {
     const double theta = std::atan(r);
     if (theta > lens.monotonic_limit) return std::nullopt;
-    bent = r > 0 ? Vec2(p * (bentRadius(lens, theta).value / r)) : p;
+    distorted = r > 0 ? Vec2(p * (distortedRadius(lens, theta).value / r)) : p;
   } else {
     if (r > lens.monotonic_limit) return std::nullopt;
-    bent = bend(lens, p, nullptr);
+    distorted = distort(lens, p, nullptr);
   }
-  return Vec2(lens.fx * bent.x() + lens.cx, lens.fy * bent.y() + lens.cy);
+  return Vec2(lens.fx * distorted.x() + lens.cx, lens.fy * distorted.y() + lens.cy);
 }
 
 std::optional<Vec2> project(const Camera& camera, const Vec3& point_in_world) {
@@ -188,16 +187,16 @@ std::optional<Vec2> project(const Camera& camera, const Vec3& point_in_world) {
 }
 
 std::optional<Vec3> rayThroughPixel(const Lens& lens, const Vec2& pixel) {
-  const Vec2 bent((pixel.x() - lens.cx) / lens.fx, (pixel.y() - lens.cy) / lens.fy);
+  const Vec2 distorted((pixel.x() - lens.cx) / lens.fx, (pixel.y() - lens.cy) / lens.fy);
   if (lens.model == LensModel::kPerspective) {
-    const std::optional<Vec2> p = straighten(lens, bent);
+    const std::optional<Vec2> p = undistort(lens, distorted);
     return p ? std::optional<Vec3>(Vec3(p->x(), p->y(), 1).normalized()) : std::nullopt;
   }
-  const double length = bent.norm();
-  if (length > bentRadius(lens, lens.monotonic_limit).value) return std::nullopt;
+  const double length = distorted.norm();
+  if (length > distortedRadius(lens, lens.monotonic_limit).value) return std::nullopt;
   if (length == 0) return Vec3::UnitZ();
-  const double theta = straightRadius(lens, length);
-  const Vec2 sideways = bent * (std::sin(theta) / length);
+  const double theta = undistortedRadius(lens, length);
+  const Vec2 sideways = distorted * (std::sin(theta) / length);
   return Vec3(sideways.x(), sideways.y(), std::cos(theta));
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What is wrong with a rig, all of it: faults that no rig may have, and what looks like a mistake.
+// All errors and warnings of a rig.
 //
-// readRig and checkRig (rig.h) stop at the first fault; here the list goes on.
+// readRig and checkRig (rig.h) stop at the first error; these functions collect all of them.
 #pragma once
 
 #include "engine/camera/rig.h"
@@ -10,82 +10,83 @@
 namespace airclay {
 
 enum class Severity {
-  kFault,    ///< such a rig is refused
-  kWarning,  ///< it may be meant, but is more often a mistake
+  kError,    ///< the rig is rejected
+  kWarning,  ///< probably a mistake, but possible
 };
 
 struct RigDiagnostic {
-  Severity severity = Severity::kFault;
-  std::string camera;  ///< whose; empty: the whole rig's
-  std::string what;    ///< what is wrong and what would be right, in one line
+  Severity severity = Severity::kError;
+  std::string camera;   ///< the camera's name; empty: concerns the whole rig
+  std::string message;  ///< what is wrong and what is expected, in one line
 };
 
-/// The finding as an Error says it: `FILE: camera "NAME": …`. `where`: the rig's file, or the folder of its
-/// files, one of which the finding names itself then.
-std::string faultMessage(const RigDiagnostic& finding, const std::string& where);
+/// The diagnostic as the message of an Error: `FILE: camera "NAME": …`. `where`: the rig's file, or the folder
+/// of its files; in that case the diagnostic itself names the file.
+std::string diagnosticMessage(const RigDiagnostic& diagnostic, const std::string& where);
 
-/// Its inverse.
-RigDiagnostic faultFrom(const Error& error, const std::string& where);
+/// The inverse of diagnosticMessage.
+RigDiagnostic diagnosticFromError(const Error& error, const std::string& where);
 
-/// A rig as it stands in its file: not checked, a camera whose size is not written is 0 x 0 (its images
-/// say it), and one that cannot be read is left out and among the faults.
-struct RigReading {
-  std::string where;  ///< what messages name: the file, or the folder of several
+/// A rig as parsed from its file, unchecked. A camera without a size is 0 x 0 (its images determine it); a
+/// camera that cannot be parsed is omitted and listed in `errors`.
+struct ParsedRig {
+  std::string where;  ///< the file, or the folder of several, for messages
   Rig rig;
-  std::vector<RigDiagnostic> faults;  ///< in the file's order
+  std::vector<RigDiagnostic> errors;  ///< in file order
 
-  /// \throw Error with the first fault, if there is one.
-  const Rig& rigWithoutFaults() const;
+  /// \throw Error with the first of `errors`, if any.
+  const Rig& validRig() const;
 };
 
-/// Reads what readRig reads. \throw Error when the file is no TOML or holds no camera.
-RigReading readRigWithFaults(const std::filesystem::path& file, RigUnits units = RigUnits::kAsWritten);
+/// Reads the formats of readRig. \throw Error if the file is not TOML or contains no camera.
+ParsedRig parseRig(const std::filesystem::path& file, RigUnits units = RigUnits::kAsWritten);
 
-/// All that checkRig refuses.
+/// All errors that checkRig rejects a rig for.
 std::vector<RigDiagnostic> rigErrors(const Rig& rig);
 
-/// Whether anything can be computed with it: a cube, sizes, focal lengths above 0, and finite numbers all.
-bool canBeMeasured(const Rig& rig);
+/// Whether metrics can be computed: a valid cube, image sizes and focal lengths, and finite values only.
+bool isMeasurable(const Rig& rig);
 
-/// What looks like a mistake: units, axes and directions of poses, a size or a matrix of other images, a
-/// lens that ends inside its image, cameras too far, too close together, or that see too little.
-/// \pre canBeMeasured(rig)
+/// Probable mistakes: units, pose conventions, a size or matrix that belongs to other images, a lens model that
+/// ends inside the image, cameras that are too far away, too close together, or see too little of the cube.
+/// \pre isMeasurable(rig)
 std::vector<RigDiagnostic> rigWarnings(const Rig& rig);
 
-/// A camera, measured against the workspace.
-struct CameraFigures {
+/// One camera's geometry relative to the workspace.
+struct CameraMetrics {
   std::string name;
   int width = 0, height = 0;  ///< pixels
-  double view_deg = 0;        ///< the angle from the left border's middle to the right border's
-  double distance_m = 0;      ///< from the cube's centre
+  double view_deg = 0;        ///< horizontal field of view
+  double distance_m = 0;      ///< to the cube's centre
   double pixels_per_mm = 0;   ///< at the cube's centre
-  double seen_share = 0;      ///< of the cube, by this camera
+  double seen_fraction = 0;   ///< of the cube's volume
 };
 
-struct RigFigures {
-  std::vector<CameraFigures> cameras;
-  double seen_by_two = 0;  ///< the share of the cube that two cameras or more see
+struct RigMetrics {
+  std::vector<CameraMetrics> cameras;
+  double seen_by_two_fraction = 0;  ///< of the cube's volume, by at least two cameras
 };
 
-/// \pre canBeMeasured(rig)
-RigFigures measureRig(const Rig& rig);
+/// \pre isMeasurable(rig)
+RigMetrics measureRig(const Rig& rig);
 
-/// The point nearest to all optical axes (least squares) and before the cameras; none where axes are
-/// parallel.
-std::optional<Vec3> whereAxesMeet(const Rig& rig);
+/// The point closest to all optical axes (least squares), world, metres. Empty if the axes are nearly parallel
+/// or the point is behind a camera.
+std::optional<Vec3> axesIntersection(const Rig& rig);
 
-/// What a file's poses may be instead of camera_from_world with OpenCV's axes.
-enum class PoseReading {
+/// Conventions that a file may use instead of camera_from_world with OpenCV's axes.
+enum class PoseConvention {
   kWorldFromCamera,
-  kGlCameraFromWorld,  ///< OpenGL's and Blender's cameras: y up, looking along -z
+  kGlCameraFromWorld,  ///< OpenGL and Blender cameras: y up, looking along -z
   kWorldFromGlCamera,
 };
 
-/// The rig as it is if its file's poses were that, with the words for it.
-Rig reread(const Rig& rig, PoseReading poses);
-std::string wordsOf(PoseReading poses);
+/// The rig that results if the file's poses use this convention.
+Rig withPoseConvention(const Rig& rig, PoseConvention poses);
+/// A description for messages: "the poses are …".
+std::string describe(PoseConvention poses);
 
-inline constexpr PoseReading kPoseReadings[] = {
-    PoseReading::kWorldFromCamera, PoseReading::kGlCameraFromWorld, PoseReading::kWorldFromGlCamera};
+inline constexpr PoseConvention kPoseConventions[] = {
+    PoseConvention::kWorldFromCamera, PoseConvention::kGlCameraFromWorld, PoseConvention::kWorldFromGlCamera};
 
 }  // namespace airclay

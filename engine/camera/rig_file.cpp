@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Rigs in TOML, as the programs out there write them:
-//   Anipose, FreeMoCap   a table a camera, [cam_0] …; [metadata]; the unit is that of the board's square
-//   Pose2Sim             a table a camera, of any name; sizes with a decimal point; [metadata]
+// Reads rigs in TOML, as these programs write them:
+//   Anipose, FreeMoCap   one table per camera, [cam_0] …; [metadata]; the unit is that of the board's squares
+//   Pose2Sim             one table per camera, any name; sizes with a decimal point; [metadata]
 //   Caliscope            [cameras.0] …, always metres; before 2023 [cam_0] … in config.toml
-// What they share is read as one form: whatever table holds a `matrix` is a camera.
+// The common rule: every table that contains a `matrix` is a camera.
 #include <toml++/toml.h>
 #include <algorithm>
 #include <cmath>
@@ -18,72 +18,72 @@
 namespace airclay {
 namespace {
 
-// A rig of 32 cameras takes some 20 kB.
+// A rig of 32 cameras takes about 20 kB.
 constexpr std::uintmax_t kMaxFileBytes = 4 << 20;
 
 toml::table parse(const std::filesystem::path& file) {
-  std::error_code fault;
-  const std::uintmax_t size = std::filesystem::file_size(file, fault);
-  if (fault) throw Error(file.string() + ": the rig's file is missing or no readable file");
+  std::error_code status;
+  const std::uintmax_t size = std::filesystem::file_size(file, status);
+  if (status) throw Error(file.string() + ": the rig file is missing or is not a readable file");
   if (size > kMaxFileBytes)
-    throw Error(file.string() + ": it is larger than 4 MB; a rig's TOML would be right");
+    throw Error(file.string() + ": the file is larger than 4 MB; expected a rig in TOML");
   std::ifstream in(file, std::ios::binary);
-  if (!in) throw Error(file.string() + ": the rig's file cannot be opened for reading");
+  if (!in) throw Error(file.string() + ": the rig file cannot be opened for reading");
   const std::string content{std::istreambuf_iterator<char>(in), {}};
   try {
     return toml::parse(content, file.string());
   } catch (const toml::parse_error& error) {
     std::ostringstream message;
     message << file.string() << ':' << error.source().begin.line << ": " << error.description()
-            << "; a rig in TOML would be right";
+            << "; expected a rig in TOML";
     std::string line = message.str();
     std::replace(line.begin(), line.end(), '\n', ' ');
     throw Error(line);
   }
 }
 
-/// One table of the file, and how to speak of it. Every getter throws an Error that names file, table and
+/// One table of the file and its place for messages. Every getter throws an Error that names file, table and
 /// key.
 struct Entry {
   const toml::table& table;
   std::string where;  // "FILE: [cam_0] "
 
-  [[noreturn]] void fail(const std::string& key, const std::string& right) const {
+  [[noreturn]] void fail(const std::string& key, const std::string& expected) const {
     const toml::node* node = table.get(key);
     std::string line = node ? " (line " + std::to_string(node->source().begin.line) + ")" : "";
-    throw Error(where + key + line + (node ? " must be " : " is missing; it must be ") + right);
+    throw Error(where + key + line + (node ? " must be " : " is missing; it must be ") + expected);
   }
 
-  /// Whether the key stands there with a value: some writers of TOML put the text "null" for none.
+  /// Whether the key has a value: some writers use the string "null" for none.
   bool has(const std::string& key) const {
     return table.contains(key) && table[key].value<std::string>() != "null";
   }
 
-  /// The finite numbers of an array, flattened when it is an array of rows.
-  std::vector<double> numbers(const std::string& key, const std::string& right) const {
+  /// The finite numbers of an array, row by row if it is an array of arrays.
+  std::vector<double> numbers(const std::string& key, const std::string& expected) const {
     std::vector<double> values;
     const toml::array* array = table[key].as_array();
-    if (!array) fail(key, right);
-    append(*array, values, key, right);
+    if (!array) fail(key, expected);
+    append(*array, values, key, expected);
     return values;
   }
 
-  Vec3 vector(const std::string& key, const std::string& right) const {
-    const std::vector<double> values = numbers(key, right);
-    if (values.size() != 3) fail(key, right);
+  Vec3 vector(const std::string& key, const std::string& expected) const {
+    const std::vector<double> values = numbers(key, expected);
+    if (values.size() != 3) fail(key, expected);
     return {values[0], values[1], values[2]};
   }
 
  private:
   void append(const toml::array& array, std::vector<double>& values, const std::string& key,
-              const std::string& right) const {
+              const std::string& expected) const {
     for (const toml::node& node : array) {
       if (const toml::array* row = node.as_array(); row && &array == table[key].as_array()) {
-        append(*row, values, key, right);
+        append(*row, values, key, expected);
         continue;
       }
       const std::optional<double> value = node.is_number() ? node.value<double>() : std::nullopt;
-      if (!value || !std::isfinite(*value)) fail(key, right + ", finite numbers all");
+      if (!value || !std::isfinite(*value)) fail(key, expected + ", all finite");
       values.push_back(*value);
     }
   }
@@ -93,24 +93,25 @@ bool isIgnored(const Entry& entry) {
   return entry.table["ignore"].value_or(false);
 }
 
-/// Without a name, the table's; the videos of Caliscope are named after the camera's number.
+/// The `name`, or `fallback` without one. Caliscope names its videos after the camera's number.
 std::string cameraName(const Entry& entry, const std::string& fallback) {
   if (!entry.has("name")) return fallback;
   if (const toml::value<std::int64_t>* number = entry.table["name"].as_integer())
     return std::to_string(number->get());
   const std::optional<std::string> name = entry.table["name"].value<std::string>();
-  if (!name) entry.fail("name", "a text that names the camera's video");
+  if (!name) entry.fail("name", "a string, the name of the camera's video");
   return *name;
 }
 
-/// Not written, it is 0 x 0. Pose2Sim writes whole numbers with a decimal point.
+/// Without a size it stays 0 x 0. Pose2Sim writes integers with a decimal point.
 void readSize(const Entry& entry, CameraEntry& camera) {
   if (!entry.has("size")) return;
-  const std::string form = "[width, height] in pixels, 16 to 16384 each";
-  const std::vector<double> size = entry.numbers("size", form);
-  if (size.size() != 2) entry.fail("size", form);
+  const std::string expected = "[width, height] in pixels, 16 to 16384 each";
+  const std::vector<double> size = entry.numbers("size", expected);
+  if (size.size() != 2) entry.fail("size", expected);
   for (const double side : size)
-    if (side != std::floor(side) || side < kMinImageSide || side > kMaxImageSide) entry.fail("size", form);
+    if (side != std::floor(side) || side < kMinImageSide || side > kMaxImageSide)
+      entry.fail("size", expected);
   camera.width = static_cast<int>(size[0]);
   camera.height = static_cast<int>(size[1]);
 }
@@ -119,9 +120,9 @@ Camera readCamera(const Entry& entry, const std::string& name, double metres, co
   CameraEntry camera;
   camera.name = cameraName(entry, name);
   readSize(entry, camera);
-  const std::string matrix_form = "[[fx, 0, cx], [0, fy, cy], [0, 0, 1]]";
-  const std::vector<double> matrix = entry.numbers("matrix", matrix_form);
-  if (matrix.size() != 9) entry.fail("matrix", matrix_form);
+  const std::string expected_matrix = "[[fx, 0, cx], [0, fy, cy], [0, 0, 1]]";
+  const std::vector<double> matrix = entry.numbers("matrix", expected_matrix);
+  if (matrix.size() != 9) entry.fail("matrix", expected_matrix);
   camera.matrix = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(matrix.data());
   if (entry.has("fisheye")) {
     const toml::value<bool>* fisheye = entry.table["fisheye"].as_boolean();
@@ -139,13 +140,13 @@ struct NamedTable {
   const toml::table* table;
 };
 
-/// Tables of `parent` for which `wanted` holds, in the order of the file (TOML's own is alphabetical: cam_10
+/// Tables of `parent` that satisfy `predicate(name, table)`, in file order (toml++ sorts alphabetically: cam_10
 /// before cam_2).
-template <class Wanted>
-std::vector<NamedTable> tablesInOrder(const toml::table& parent, Wanted wanted) {
+template <class Predicate>
+std::vector<NamedTable> tablesInOrder(const toml::table& parent, Predicate predicate) {
   std::vector<NamedTable> found;
   for (const auto& [key, node] : parent)
-    if (const toml::table* table = node.as_table(); table && wanted(std::string(key.str()), *table))
+    if (const toml::table* table = node.as_table(); table && predicate(std::string(key.str()), *table))
       found.push_back({std::string(key.str()), table});
   std::stable_sort(found.begin(), found.end(), [](const NamedTable& a, const NamedTable& b) {
     const toml::source_position a_begin = a.table->source().begin, b_begin = b.table->source().begin;
@@ -154,21 +155,21 @@ std::vector<NamedTable> tablesInOrder(const toml::table& parent, Wanted wanted) 
   return found;
 }
 
-/// Any table with a matrix is a camera's; and one named like a camera that has a pose but lost its matrix.
+/// Any table with a matrix is a camera; so is one named like a camera that has a pose but lacks its matrix.
 bool isCamera(const std::string& name, const toml::table& table) {
   if (name == "metadata" || name == "workspace") return false;
   if (table.contains("matrix")) return true;
   return name.starts_with("cam") && (table.contains("rotation") || table.contains("translation"));
 }
 
-/// Caliscope's camera_array.toml: no unit is written, it is metres.
+/// Whether this is Caliscope's camera_array.toml, which has no units: always metres.
 bool isCameraArray(const toml::table& root) {
   const toml::table* cameras = root["cameras"].as_table();
   return cameras && std::all_of(cameras->begin(), cameras->end(),
                                 [](const auto& item) { return item.second.is_table(); });
 }
 
-/// Reads one file; what is wrong with one of its parts does not hide the others.
+/// Reads one file. An error in one part does not hide errors in the others.
 class RigReader {
  public:
   RigReader(const toml::table& root, const std::string& file, RigUnits units)
@@ -176,27 +177,27 @@ class RigReader {
     result_.where = file;
   }
 
-  RigReading read() {
+  ParsedRig read() {
     if (isCameraArray(root_))
       readCameraArray();
     else
       readTables();
-    keepFault([&] { readWorkspace(); });
+    collectError([&] { readWorkspace(); });
     return std::move(result_);
   }
 
  private:
-  /// Does a part's work; its Error becomes a fault of the list.
-  template <class Work>
-  void keepFault(Work work) {
+  /// Runs `read`; an Error becomes an entry of the result's errors.
+  template <class Read>
+  void collectError(Read read) {
     try {
-      work();
+      read();
     } catch (const Error& error) {
-      result_.faults.push_back(faultFrom(error, file_));
+      result_.errors.push_back(diagnosticFromError(error, file_));
     }
   }
 
-  /// The length of one of the file's units.
+  /// The file's unit of length.
   double metresPerUnit() const {
     if (const toml::node_view<const toml::node> written = root_["metadata"]["units"]) {
       const std::optional<std::string> unit = written.value<std::string>();
@@ -206,12 +207,12 @@ class RigReader {
     }
     if (units_ == RigUnits::kAsWritten)
       throw Error(file_ +
-                  ": [metadata] units is missing; units = \"m\" or \"mm\", or --units, would be right");
+                  ": [metadata] units is missing; expected units = \"m\" or \"mm\", or the option --units");
     return units_ == RigUnits::kMillimetres ? 1e-3 : 1;
   }
 
   void add(const Entry& entry, const std::string& name, double metres) {
-    keepFault([&] {
+    collectError([&] {
       const Camera camera = readCamera(entry, name, metres, file_);
       const toml::node* written = entry.table.get("name");
       const auto line = (written ? written->source() : entry.table.source()).begin.line;
@@ -219,12 +220,12 @@ class RigReader {
       if (!is_new)
         throw Error(entry.where + "name (line " + std::to_string(line) + "): two cameras are named \"" +
                     camera.name + "\", the first in line " + std::to_string(first->second) +
-                    "; a name for each would be right");
+                    "; expected unique names");
       result_.rig.cameras.push_back(camera);
     });
   }
 
-  /// A camera that Caliscope did not place has no pose, and is none of the rig's.
+  /// Skips cameras without a pose, which Caliscope could not calibrate.
   void readCameraArray() {
     const double metres = units_ == RigUnits::kMillimetres ? 1e-3 : 1;
     const auto any = [](const std::string&, const toml::table&) { return true; };
@@ -236,7 +237,7 @@ class RigReader {
         return id >= 0 ? prefix + std::to_string(id) : "";
       };
       std::string name = numbered("cam_id", "cam_");
-      if (name.empty()) name = numbered("port", "port_");  // as it was called until 2025
+      if (name.empty()) name = numbered("port", "port_");  // the key's name until 2025
       add(entry, name.empty() ? "cam_" + key : name, metres);
     }
   }
@@ -245,16 +246,16 @@ class RigReader {
     const std::vector<NamedTable> tables = tablesInOrder(root_, isCamera);
     if (tables.empty())
       throw Error(file_ +
-                  ": it has no camera; a table such as [cam_0] with a matrix, a camera, would be right");
+                  ": it has no camera; expected one table with a matrix per camera, such as [cam_0]");
     double metres = 1;
-    keepFault([&] { metres = metresPerUnit(); });
+    collectError([&] { metres = metresPerUnit(); });
     for (const auto& [key, table] : tables) {
       const Entry entry{*table, file_ + ": [" + key + "] "};
-      if (!isIgnored(entry)) add(entry, key, metres);  // Caliscope's older form knows ignored ones, too
+      if (!isIgnored(entry)) add(entry, key, metres);  // Caliscope's older format has `ignore` too
     }
   }
 
-  /// [workspace]; or within [metadata], where programs that take every other table for a camera leave it.
+  /// Reads [workspace], or [metadata.workspace] in files of programs that treat every other table as a camera.
   void readWorkspace() {
     const bool in_metadata = !root_.contains("workspace");
     const toml::node_view<const toml::node> node =
@@ -274,20 +275,20 @@ class RigReader {
   const toml::table& root_;
   const std::string file_;
   const RigUnits units_;
-  RigReading result_;
+  ParsedRig result_;
   std::map<std::string, toml::source_index> line_of_name_;
 };
 
 }  // namespace
 
-RigReading readRigWithFaults(const std::filesystem::path& file, RigUnits units) {
+ParsedRig parseRig(const std::filesystem::path& file, RigUnits units) {
   const toml::table root = parse(file);
   return RigReader(root, file.string(), units).read();
 }
 
 Rig readRig(const std::filesystem::path& file, RigUnits units) {
-  const RigReading reading = readRigWithFaults(file, units);
-  Rig rig = reading.rigWithoutFaults();
+  const ParsedRig reading = parseRig(file, units);
+  Rig rig = reading.validRig();
   checkRig(rig, file);
   return rig;
 }

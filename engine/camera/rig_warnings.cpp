@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a rig looks like from the workspace, and what in it is more often a mistake than meant.
+// Metrics of a rig relative to its workspace, and warnings about probable mistakes.
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -13,21 +13,21 @@ namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
 
-// A camera's principal point is that far from the image's centre, in image widths, when it was made so:
-// webcams stay within 5 %.
-constexpr double kFarPrincipalPoint = 0.15;
-// Pixels of cameras are square to a thousandth; calibrations of few views stray by 1 or 2 %.
-constexpr double kUnequalFocalLengths = 0.03;
-// A telephoto lens, and what a perspective model can still describe.
-constexpr double kNarrowView_deg = 10, kWideView_deg = 150;
-// 3 mm a pixel: a finger is 5 pixels wide.
-constexpr double kFewPixelsPerMm = 1.0 / 3;
-// Two rays that meet at less than this leave the depth 6 times as uncertain as the width.
-constexpr double kNarrowAngle_deg = 10;
-// So much of the cube must be seen by two cameras: elsewhere there is no hull.
-constexpr double kEnoughOfCube = 0.7;
-// Cameras that many edges away are hardly meant: at 30 edges the cube is 20 pixels wide.
-constexpr double kFarCamera = 30;
+// Distance of the principal point from the image centre, as a fraction of the image side. Webcams stay within
+// 5 %; more means that matrix and size belong to different images.
+constexpr double kMaxPrincipalPointOffset = 0.15;
+// Relative difference of fx and fy. Pixels are square to 0.1 %; calibrations from few views are off by 1 or 2 %.
+constexpr double kMaxFocalLengthDifference = 0.03;
+// The field of view of a telephoto lens, and the widest that a perspective model can describe.
+constexpr double kMinView_deg = 10, kMaxView_deg = 150;
+// 3 mm per pixel: a finger is 5 pixels wide.
+constexpr double kMinPixelsPerMm = 1.0 / 3;
+// For rays that intersect at a smaller angle, depth is over 6 times as uncertain as lateral position.
+constexpr double kMinAngle_deg = 10;
+// At least this fraction of the cube should be seen by two cameras; there is no hull elsewhere.
+constexpr double kMinSeenByTwoFraction = 0.7;
+// At 30 edges from the camera the cube is only 20 pixels wide.
+constexpr double kMaxCameraDistance_edges = 30;
 
 std::string text(double value, int digits = 3) {
   std::ostringstream out;
@@ -36,11 +36,11 @@ std::string text(double value, int digits = 3) {
   return out.str();
 }
 
-std::string percent(double share) {
-  return text(std::round(100 * share)) + " %";
+std::string percent(double fraction) {
+  return text(std::round(100 * fraction)) + " %";
 }
 
-/// As --center takes it, to a millimetre.
+/// In the format of --center, rounded to a millimetre.
 std::string centerText(const Vec3& point) {
   const auto rounded = [](double value) { return text(std::round(1000 * value) / 1000 + 0.0, 6); };
   return rounded(point.x()) + "," + rounded(point.y()) + "," + rounded(point.z());
@@ -54,7 +54,7 @@ Vec3 axisInWorld(const Camera& camera) {
   return camera.camera_from_world.linear().row(2).transpose();
 }
 
-/// The centres of the cube's 14³ parts.
+/// The centres of 14³ cells of the cube.
 std::vector<Vec3> cubePoints(const Workspace& workspace) {
   constexpr int kSteps = 14;
   std::vector<Vec3> points;
@@ -72,7 +72,7 @@ double viewDegrees(const Camera& camera) {
   const std::optional<Vec3> left = rayThroughPixel(lens, {-0.5, lens.cy});
   const std::optional<Vec3> right = rayThroughPixel(lens, {camera.width - 0.5, lens.cy});
   if (left && right) return kDegrees * std::atan2(left->cross(*right).norm(), left->dot(*right));
-  // The lens ends within the image: what it shows is twice its range.
+  // The lens model ends inside the image: the view is twice its range.
   const double limit = lens.monotonic_limit;
   return 2 * kDegrees * (lens.model == LensModel::kFisheye ? limit : std::atan(limit));
 }
@@ -80,14 +80,14 @@ double viewDegrees(const Camera& camera) {
 double pixelsPerMm(const Camera& camera, const Vec3& center) {
   const Vec3 center_in_camera = camera.camera_from_world * center;
   const std::optional<Vec2> at = projectThroughLens(camera.lens, center_in_camera);
-  const std::optional<Vec2> beside = projectThroughLens(camera.lens, center_in_camera + Vec3(1e-3, 0, 0));
-  if (at && beside) return (*beside - *at).norm();
+  const std::optional<Vec2> shifted = projectThroughLens(camera.lens, center_in_camera + Vec3(1e-3, 0, 0));
+  if (at && shifted) return (*shifted - *at).norm();
   return 1e-3 * camera.lens.fx / center_in_camera.norm();
 }
 
-/// The largest angle at which two cameras' lines of sight meet in the cube's centre, folded: opposite cameras
-/// are as bad as neighbours.
-double widestAngleDegrees(const Rig& rig) {
+/// The largest angle between two cameras' lines of sight to the cube's centre, folded to [0, 90]: opposite
+/// cameras are as bad as adjacent ones.
+double maxAngleDegrees(const Rig& rig) {
   double widest = 0;
   for (size_t i = 0; i < rig.cameras.size(); ++i)
     for (size_t j = 0; j < i; ++j) {
@@ -98,21 +98,21 @@ double widestAngleDegrees(const Rig& rig) {
   return widest;
 }
 
-double meanSeenShare(const RigFigures& figures) {
+double meanSeenFraction(const RigMetrics& figures) {
   double sum = 0;
-  for (const CameraFigures& camera : figures.cameras) sum += camera.seen_share;
+  for (const CameraMetrics& camera : figures.cameras) sum += camera.seen_fraction;
   return sum / static_cast<double>(std::max<size_t>(figures.cameras.size(), 1));
 }
 
-double medianDistance(const RigFigures& figures) {
+double medianDistance(const RigMetrics& figures) {
   std::vector<double> distances;
-  for (const CameraFigures& camera : figures.cameras) distances.push_back(camera.distance_m);
+  for (const CameraMetrics& camera : figures.cameras) distances.push_back(camera.distance_m);
   std::nth_element(distances.begin(), distances.begin() + static_cast<long>(distances.size() / 2),
                    distances.end());
   return distances[distances.size() / 2];
 }
 
-/// Looks at one rig, and keeps what is odd.
+/// Collects the warnings of one rig.
 class Inspection {
  public:
   explicit Inspection(const Rig& rig) : rig_(rig), figures_(measureRig(rig)) {}
@@ -121,13 +121,13 @@ class Inspection {
     if (rig_.cameras.empty()) return {};
     for (size_t i = 0; i < rig_.cameras.size(); ++i) {
       inspectImage(rig_.cameras[i]);
-      lookAtLens(rig_.cameras[i], figures_.cameras[i]);
+      inspectLens(rig_.cameras[i], figures_.cameras[i]);
     }
-    // Each of these explains what the next would say again in other words.
-    if (lookAtUnits() || lookAtPoses()) return std::move(found_);
-    for (size_t i = 0; i < rig_.cameras.size(); ++i) lookAtView(rig_.cameras[i], figures_.cameras[i]);
-    lookAtWorld();
-    lookAtCoverage();
+    // Each of these causes the later ones; report only the first.
+    if (inspectUnits() || inspectPoses()) return std::move(found_);
+    for (size_t i = 0; i < rig_.cameras.size(); ++i) inspectView(rig_.cameras[i], figures_.cameras[i]);
+    inspectWorld();
+    inspectCoverage();
     return std::move(found_);
   }
 
@@ -136,32 +136,32 @@ class Inspection {
     found_.push_back({Severity::kWarning, camera, what});
   }
 
-  /// Whether matrix and size are of the same image.
+  /// Whether matrix and size belong to the same image.
   void inspectImage(const Camera& camera) {
     const Lens& lens = camera.lens;
     const double w = camera.width, h = camera.height;
     const auto isCentre = [](double principal, double side) {
-      return std::abs(principal - 0.5 * (side - 1)) <= kFarPrincipalPoint * side;
+      return std::abs(principal - 0.5 * (side - 1)) <= kMaxPrincipalPointOffset * side;
     };
     if (!isCentre(lens.cx, w) || !isCentre(lens.cy, h)) {
       const double scale_x = (lens.cx + 0.5) / (0.5 * w), scale_y = (lens.cy + 0.5) / (0.5 * h);
-      std::string right = "a matrix of images of this size would be right";
+      std::string right = "expected a matrix for images of this size";
       if (isCentre(lens.cx, h) && isCentre(lens.cy, w))
-        right = "are width and height exchanged, or the images turned by 90 degrees?";
+        right = "are width and height swapped, or the images rotated by 90 degrees?";
       else if (std::abs(scale_x / scale_y - 1) < 0.1)
-        right = "is the matrix of images " + text(scale_x, 2) + " times as large?";
+        right = "does the matrix belong to images " + text(scale_x, 2) + " times as large?";
       add(camera.name, "its principal point (" + text(lens.cx) + ", " + text(lens.cy) +
                            ") is far from the centre of " + text(w, 5) + " x " + text(h, 5) + " pixels; " +
                            right);
     }
-    if (std::abs(lens.fx / lens.fy - 1) > kUnequalFocalLengths)
+    if (std::abs(lens.fx / lens.fy - 1) > kMaxFocalLengthDifference)
       add(camera.name, "its focal lengths differ, " + text(lens.fx, 4) + " and " + text(lens.fy, 4) +
-                           " pixels; equal ones to 1 % would be right, unless the images are stretched");
+                           " pixels; expected equal values within 1 %, unless the images are stretched");
   }
 
-  void lookAtLens(const Camera& camera, const CameraFigures& figures) {
-    if (figures.view_deg < kNarrowView_deg || figures.view_deg > kWideView_deg)
-      add(camera.name, "it sees an angle of " + text(figures.view_deg) +
+  void inspectLens(const Camera& camera, const CameraMetrics& figures) {
+    if (figures.view_deg < kMinView_deg || figures.view_deg > kMaxView_deg)
+      add(camera.name, "its field of view is " + text(figures.view_deg) +
                            " degrees; is the focal length in pixels of this image?");
     int blind = 0, all = 0;
     constexpr int kSteps = 24;
@@ -171,60 +171,60 @@ class Inspection {
                                   {i * (camera.width - 1.0) / kSteps, j * (camera.height - 1.0) / kSteps});
     if (blind)
       add(camera.name, "its lens model ends inside the image: " + percent(double(blind) / all) +
-                           " of the pixels have no ray; fewer distortion coefficients, or a calibration with "
-                           "views up to the corners, would be right");
+                           " of the pixels have no ray; use fewer distortion coefficients, or calibrate with "
+                           "the board in the image corners too");
   }
 
-  /// The workspace is in metres; the translations may not have been.
-  bool lookAtUnits() {
+  /// The workspace is in metres; the translations may be in another unit.
+  bool inspectUnits() {
     const double edge = rig_.workspace.edge_m, distance = medianDistance(figures_);
     const auto isPlausible = [&](double metres) { return metres > 0.7 * edge && metres < 10 * edge; };
-    const std::string seen = "the cameras stand " + text(distance, 4) +
-                             " m from the cube's centre, its edge is " + text(edge) + " m; ";
-    if (distance > kFarCamera * edge) {
-      for (const auto& [factor, unit] : {std::pair{1e-3, "millimetres: units = \"mm\""},
-                                         std::pair{1e-2, "centimetres: translations in m or mm"}})
+    const std::string seen = "the cameras are " + text(distance, 4) +
+                             " m from the cube's centre and its edge is " + text(edge) + " m; ";
+    if (distance > kMaxCameraDistance_edges * edge) {
+      for (const auto& [factor, unit] : {std::pair{1e-3, "millimetres; expected units = \"mm\""},
+                                         std::pair{1e-2, "centimetres; expected metres or millimetres"}})
         if (isPlausible(factor * distance)) {
-          add("", seen + "the translations are probably " + unit + " would be right");
+          add("", seen + "the translations are probably in " + unit);
           return true;
         }
-      add("", seen + "are units and [workspace] right?");
+      add("", seen + "are units and [workspace] correct?");
       return true;
     }
     if (distance < 0.3 * edge && isPlausible(1e3 * distance)) {
-      add("", seen + "the translations are probably metres: units = \"m\" would be right");
+      add("", seen + "the translations are probably in metres; expected units = \"m\"");
       return true;
     }
     return false;
   }
 
-  /// Poses that see little of the cube, and much of it when they are taken for something else.
-  bool lookAtPoses() {
-    const double seen = meanSeenShare(figures_);
-    std::optional<PoseReading> best;
+  /// Poses that see little of the cube as they are, and much of it under another convention.
+  bool inspectPoses() {
+    const double seen = meanSeenFraction(figures_);
+    std::optional<PoseConvention> best;
     double best_seen = std::max(0.3, 2 * seen);
-    for (const PoseReading poses : kPoseReadings) {
-      const double other = meanSeenShare(measureRig(reread(rig_, poses)));
+    for (const PoseConvention poses : kPoseConventions) {
+      const double other = meanSeenFraction(measureRig(withPoseConvention(rig_, poses)));
       if (other > best_seen) best = poses, best_seen = other;
     }
     if (seen > 0.3 || !best) return false;
-    add("", "the cameras see " + percent(seen) + " of the cube, and " + percent(best_seen) +
-                " if the poses are " + wordsOf(*best) +
-                "; camera_from_world with x right, y down, z forward would be right");
+    add("", "the cameras see " + percent(seen) + " of the cube, but " + percent(best_seen) +
+                " if the poses are " + describe(*best) +
+                "; expected camera_from_world with x right, y down, z forward");
     return true;
   }
 
-  void lookAtView(const Camera& camera, const CameraFigures& figures) {
-    if (figures.seen_share == 0) return;  // a fault, said there
+  void inspectView(const Camera& camera, const CameraMetrics& figures) {
+    if (figures.seen_fraction == 0) return;  // an error of rigErrors()
     if (!project(camera, rig_.workspace.center))
-      add(camera.name, "it does not see the cube's centre; turn it there, or move [workspace] center");
-    if (figures.pixels_per_mm < kFewPixelsPerMm)
+      add(camera.name, "it does not see the cube's centre; turn the camera, or move [workspace] center");
+    if (figures.pixels_per_mm < kMinPixelsPerMm)
       add(camera.name, "a pixel is " + text(1 / figures.pixels_per_mm) +
-                           " mm at the cube's centre; a nearer camera or a larger image would be right");
+                           " mm at the cube's centre; move the camera closer or use a higher resolution");
   }
 
-  /// Up is z. A board's own frame, which many rigs are left in, has z into the board.
-  void lookAtWorld() {
+  /// The world's z axis points up. In a board's own frame, which many rigs use, z points into the board.
+  void inspectWorld() {
     double up = 0, height = 0;
     bool all_below = true;
     for (const Camera& camera : rig_.cameras) {
@@ -234,48 +234,49 @@ class Inspection {
     }
     if (up < -0.3 && all_below)
       add("",
-          "all cameras are upside down and below the cube: the world's z points down; a world with z up "
-          "would be right");
+          "all cameras are upside down and below the cube: the world's z points down; expected a world with "
+          "z up");
     else if (up < -0.5)
-      add("", "the cameras are upside down on average; a world with z up would be right");
+      add("", "the cameras are upside down on average; expected a world with z up");
     else if (all_below)
-      add("", "all cameras stand below the cube's centre; is the world's z up?");
+      add("", "all cameras are below the cube's centre; does the world's z point up?");
   }
 
-  /// Whether the cube lies where the cameras look.
-  void lookAtCoverage() {
+  /// Whether the cube is where the cameras look.
+  void inspectCoverage() {
     const double edge = rig_.workspace.edge_m;
     const bool one_is_inside =
         std::any_of(rig_.cameras.begin(), rig_.cameras.end(), [&](const Camera& camera) {
           return (centerInWorld(camera) - rig_.workspace.center).cwiseAbs().maxCoeff() <= edge / 2;
         });
-    const bool is_little = figures_.seen_by_two < kEnoughOfCube;
-    const std::optional<Vec3> meet = whereAxesMeet(rig_);
+    const bool is_little = figures_.seen_by_two_fraction < kMinSeenByTwoFraction;
+    const std::optional<Vec3> meet = axesIntersection(rig_);
     const bool looks_elsewhere = meet && (*meet - rig_.workspace.center).norm() > edge / 2;
     if (looks_elsewhere && (is_little || one_is_inside))
-      add("", "the cameras' axes come nearest to each other at " + centerText(*meet) +
-                  "; [workspace] center there, or --center, would be right");
+      add("", "the cameras' axes intersect near " + centerText(*meet) +
+                  "; set [workspace] center, or --center, to that point");
     else if (is_little)
-      add("", "two cameras or more see only " + percent(figures_.seen_by_two) +
-                  " of the cube; a smaller [workspace] edge, or cameras farther back, would be right");
+      add("", "only " + percent(figures_.seen_by_two_fraction) +
+                  " of the cube is seen by two or more cameras; reduce [workspace] edge or move the cameras "
+                  "back");
     if (rig_.cameras.size() < 2) return;
-    const double angle = widestAngleDegrees(rig_);
-    if (angle < kNarrowAngle_deg)
-      add("", "no two cameras look at the cube's centre at more than " + text(angle) +
-                  " degrees to each other; 30 to 150 would be right, or depth stays uncertain");
+    const double angle = maxAngleDegrees(rig_);
+    if (angle < kMinAngle_deg)
+      add("", "the largest angle between two cameras' views of the cube's centre is " + text(angle) +
+                  " degrees, which leaves depth uncertain; expected 30 to 150");
   }
 
   const Rig& rig_;
-  const RigFigures figures_;
+  const RigMetrics figures_;
   std::vector<RigDiagnostic> found_;
 };
 
 }  // namespace
 
-RigFigures measureRig(const Rig& rig) {
+RigMetrics measureRig(const Rig& rig) {
   const std::vector<Vec3> points = cubePoints(rig.workspace);
   std::vector<int> seen_by(points.size());
-  RigFigures figures;
+  RigMetrics figures;
   for (const Camera& camera : rig.cameras) {
     int seen = 0;
     for (size_t i = 0; i < points.size(); ++i)
@@ -286,7 +287,7 @@ RigFigures measureRig(const Rig& rig) {
                                seen / static_cast<double>(points.size())});
   }
   const auto by_two = std::count_if(seen_by.begin(), seen_by.end(), [](int count) { return count >= 2; });
-  figures.seen_by_two = static_cast<double>(by_two) / static_cast<double>(points.size());
+  figures.seen_by_two_fraction = static_cast<double>(by_two) / static_cast<double>(points.size());
   return figures;
 }
 
@@ -294,8 +295,8 @@ std::vector<RigDiagnostic> rigWarnings(const Rig& rig) {
   return Inspection(rig).all();
 }
 
-std::optional<Vec3> whereAxesMeet(const Rig& rig) {
-  // Least squares of the distances to the lines: sum of (I - d dᵀ)(p - c) is 0.
+std::optional<Vec3> axesIntersection(const Rig& rig) {
+  // Least squares of the distances to the axes: the sum of (I - d dᵀ)(p - c) is 0.
   Mat3 sum = Mat3::Zero();
   Vec3 right = Vec3::Zero();
   for (const Camera& camera : rig.cameras) {
@@ -305,7 +306,7 @@ std::optional<Vec3> whereAxesMeet(const Rig& rig) {
     right += across * centerInWorld(camera);
   }
   const Eigen::SelfAdjointEigenSolver<Mat3> eigen(sum);
-  // sin² of 2 degrees: flatter, and noise decides
+  // about sin² of 2 degrees: below this, noise dominates
   if (!(eigen.eigenvalues()(0) > 1e-3 * static_cast<double>(rig.cameras.size()))) return std::nullopt;
   const Vec3 point = sum.ldlt().solve(right);
   for (const Camera& camera : rig.cameras)
@@ -313,27 +314,27 @@ std::optional<Vec3> whereAxesMeet(const Rig& rig) {
   return point;
 }
 
-Rig reread(const Rig& rig, PoseReading poses) {
+Rig withPoseConvention(const Rig& rig, PoseConvention poses) {
   Rig result = rig;
   const Mat3 cv_from_gl = Vec3(1, -1, -1).asDiagonal();
   for (Camera& camera : result.cameras) {
-    if (poses != PoseReading::kGlCameraFromWorld)
+    if (poses != PoseConvention::kGlCameraFromWorld)
       camera.camera_from_world = camera.camera_from_world.inverse();
-    if (poses == PoseReading::kWorldFromCamera) continue;
+    if (poses == PoseConvention::kWorldFromCamera) continue;
     camera.camera_from_world.linear() = cv_from_gl * camera.camera_from_world.linear();
     camera.camera_from_world.translation() = cv_from_gl * camera.camera_from_world.translation();
   }
   return result;
 }
 
-std::string wordsOf(PoseReading poses) {
+std::string describe(PoseConvention poses) {
   switch (poses) {
-    case PoseReading::kWorldFromCamera:
+    case PoseConvention::kWorldFromCamera:
       return "world_from_camera";
-    case PoseReading::kGlCameraFromWorld:
-      return "of OpenGL's or Blender's cameras (y up, looking along -z)";
-    case PoseReading::kWorldFromGlCamera:
-      return "world_from_camera, of OpenGL's or Blender's cameras (y up, looking along -z)";
+    case PoseConvention::kGlCameraFromWorld:
+      return "those of OpenGL or Blender cameras (y up, looking along -z)";
+    case PoseConvention::kWorldFromGlCamera:
+      return "world_from_camera of OpenGL or Blender cameras (y up, looking along -z)";
   }
   return "";
 }

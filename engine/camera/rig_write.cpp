@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Writes rigs: our own TOML, and the files of other programs, as they stand in those programs' sources and
-// recordings: aniposelib's CameraGroup.dump, Caliscope's save_camera_array, Pose2Sim's toml_write,
-// EasyMocap's write_camera.
+// Writes rigs: our own TOML, and other programs' files in the format of their own writers: aniposelib's
+// CameraGroup.dump, Caliscope's save_camera_array, Pose2Sim's toml_write, EasyMocap's write_camera.
 #include <algorithm>
 #include <sstream>
 
@@ -12,7 +11,7 @@
 namespace airclay {
 namespace {
 
-/// Text with numbers that bring every double back as it was.
+/// A stream whose numbers restore every double exactly.
 std::ostringstream exactText() {
   std::ostringstream out;
   out.imbue(std::locale::classic());
@@ -29,7 +28,7 @@ std::string quoted(const std::string& name) {
   return result + '"';
 }
 
-/// Letters, digits, _ and - alone: what TOML takes as a key without quotes, and YAML as part of one.
+/// Only letters, digits, _ and -: valid as a TOML key without quotes, and as part of a YAML key.
 bool isPlain(const std::string& name) {
   return !name.empty() && std::all_of(name.begin(), name.end(), [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
@@ -45,7 +44,7 @@ bool isFisheye(const Camera& camera) {
   return camera.lens.model == LensModel::kFisheye;
 }
 
-/// Every distortion coefficient that the model has, k4..k6 only where one of them is set.
+/// The model's distortion coefficients; k4..k6 only if one of them is not 0.
 std::vector<double> writtenDistortions(const Lens& lens) {
   const std::array<double, 8>& k = lens.distortion;
   if (lens.model == LensModel::kFisheye) return {k.begin(), k.begin() + 4};
@@ -65,8 +64,8 @@ Mat3 cameraMatrix(const Lens& lens) {
 
 // --- TOML ---
 
-/// A number that comes back as it was, always with a decimal point or an exponent: Python's older TOML
-/// reader, which Anipose and Pose2Sim use, refuses arrays that mix 560 and 319.5.
+/// An exact number, always with a decimal point or an exponent: Python's `toml` package, which Anipose and
+/// Pose2Sim use, rejects arrays that mix 560 and 319.5.
 std::string real(double value) {
   std::ostringstream out = exactText();
   out << value;
@@ -109,14 +108,14 @@ void writeWorkspace(std::ostream& out, const char* table, const Workspace& works
   out << "edge = " << real(workspace.edge_m) << '\n';
 }
 
-/// What every form of ours and Anipose's begins a camera with; its pose follows.
+/// A camera's table without its pose, in the Airclay and Anipose formats.
 void writeCamera(std::ostream& out, size_t index, const Camera& camera) {
   out << "[cam_" << index << "]\nname = " << quoted(camera.name) << "\nsize = [" << camera.width << ", "
       << camera.height << "]\n";
   writeLens(out, camera.lens);
 }
 
-/// aniposelib's CameraGroup.dump; its load takes every table but [metadata] for a camera.
+/// As aniposelib's CameraGroup.dump; its load treats every table except [metadata] as a camera.
 std::string aniposeText(const Rig& rig) {
   std::ostringstream out = exactText();
   for (size_t i = 0; i < rig.cameras.size(); ++i) {
@@ -131,8 +130,8 @@ std::string aniposeText(const Rig& rig) {
   return out.str();
 }
 
-/// Pose2Sim's toml_write: tables named after the cameras, sizes with a decimal point; it skips [metadata],
-/// [capture_volume], [charuco] and [checkerboard] alone.
+/// As Pose2Sim's toml_write: tables named after the cameras, sizes with a decimal point. Pose2Sim skips only
+/// [metadata], [capture_volume], [charuco] and [checkerboard].
 std::string pose2SimText(const Rig& rig) {
   std::ostringstream out = exactText();
   for (size_t i = 0; i < rig.cameras.size(); ++i) {
@@ -153,7 +152,7 @@ std::string pose2SimText(const Rig& rig) {
   return out.str();
 }
 
-/// Caliscope knows cameras by numbers: those of their names, where all are cam_N; else they are counted.
+/// Caliscope identifies cameras by number: N if all names are cam_N, otherwise the camera's index.
 std::vector<std::string> caliscopeNumbers(const Rig& rig) {
   std::vector<std::string> of_names, counted;
   for (const Camera& camera : rig.cameras) {
@@ -166,7 +165,7 @@ std::vector<std::string> caliscopeNumbers(const Rig& rig) {
   return of_names.size() == counted.size() ? of_names : counted;
 }
 
-/// Caliscope's save_camera_array; its load looks at nothing outside [cameras].
+/// As Caliscope's save_camera_array; its load ignores everything outside [cameras].
 std::string caliscopeText(const Rig& rig) {
   const std::vector<std::string> numbers = caliscopeNumbers(rig);
   std::ostringstream out = exactText();
@@ -198,15 +197,15 @@ void writeYamlNames(std::ostream& out, const Rig& rig) {
   for (const Camera& camera : rig.cameras) out << "  - " << quoted(camera.name) << '\n';
 }
 
-/// EasyMocap's write_camera: R_ is the rotation's vector, Rot_ its matrix.
+/// As EasyMocap's write_camera: R_ is the rotation vector, Rot_ the matrix.
 void writeEasyMocap(const std::filesystem::path& folder, const Rig& rig) {
   for (const Camera& camera : rig.cameras) {
     if (isFisheye(camera))
       throw Error(folder.string() + ": camera \"" + camera.name +
-                  "\" has a fisheye lens, which EasyMocap's files cannot say; another form would be right");
+                  "\" has a fisheye lens, which EasyMocap's files cannot express; use another format");
     if (!isPlain(camera.name))
       throw Error(folder.string() + ": camera \"" + camera.name +
-                  "\" cannot be named so in EasyMocap's files; letters, digits, _ and - would be right");
+                  "\" has a name that EasyMocap's files cannot contain; expected letters, digits, _ and - only");
   }
   std::ostringstream intri = exactText(), extri = exactText();
   writeYamlNames(intri, rig);
@@ -230,13 +229,13 @@ void writeEasyMocap(const std::filesystem::path& folder, const Rig& rig) {
 
 }  // namespace
 
-void writeRig(const std::filesystem::path& file, const Rig& rig, WrittenRotations rotations) {
+void writeRig(const std::filesystem::path& file, const Rig& rig, RotationFormat rotations) {
   std::ostringstream out = exactText();
   for (size_t i = 0; i < rig.cameras.size(); ++i) {
     const Camera& camera = rig.cameras[i];
     writeCamera(out, i, camera);
     if (isFisheye(camera)) out << "fisheye = true\n";
-    if (rotations == WrittenRotations::kMatrices) {
+    if (rotations == RotationFormat::kMatrices) {
       writeMatrix(out, "rotation", camera.camera_from_world.linear());
       writeVector(out, "translation", camera.camera_from_world.translation());
     } else {
@@ -258,8 +257,8 @@ std::optional<RigFormat> rigFormatNamed(std::string_view name) {
   return std::nullopt;
 }
 
-void writeRigAs(RigFormat form, const std::filesystem::path& file, const Rig& rig) {
-  switch (form) {
+void writeRigAs(RigFormat format, const std::filesystem::path& file, const Rig& rig) {
+  switch (format) {
     case RigFormat::kAirclay:
       return writeRig(file, rig);
     case RigFormat::kAnipose:
@@ -273,20 +272,20 @@ void writeRigAs(RigFormat form, const std::filesystem::path& file, const Rig& ri
   }
 }
 
-std::vector<std::string> rigFormatNotes(RigFormat form, const Rig& rig) {
+std::vector<std::string> rigFormatNotes(RigFormat format, const Rig& rig) {
   std::vector<std::string> notes;
   const std::vector<std::string> numbers = caliscopeNumbers(rig);
   for (size_t i = 0; i < rig.cameras.size(); ++i) {
     const Camera& camera = rig.cameras[i];
     const std::string named = "camera \"" + camera.name + "\"";
-    if (form == RigFormat::kPose2Sim && isFisheye(camera))
-      notes.push_back(named + " has a fisheye lens; Pose2Sim takes every lens for a perspective one");
-    if (form == RigFormat::kCaliscope && isRational(camera.lens))
+    if (format == RigFormat::kPose2Sim && isFisheye(camera))
+      notes.push_back(named + " has a fisheye lens; Pose2Sim treats every lens as perspective");
+    if (format == RigFormat::kCaliscope && isRational(camera.lens))
       notes.push_back(named +
-                      " has 8 distortion coefficients; Caliscope itself makes 5, and shows no others");
-    if (form == RigFormat::kCaliscope && camera.name != "cam_" + numbers[i])
-      notes.push_back(named + " is number " + numbers[i] + " to Caliscope; its video must be cam_" +
-                      numbers[i] + ".mp4 there");
+                      " has 8 distortion coefficients; Caliscope itself uses 5, and does not show the others");
+    if (format == RigFormat::kCaliscope && camera.name != "cam_" + numbers[i])
+      notes.push_back(named + " is number " + numbers[i] + " in Caliscope, which expects its video as cam_" +
+                      numbers[i] + ".mp4");
   }
   return notes;
 }

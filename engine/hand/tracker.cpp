@@ -92,7 +92,7 @@ HandTracker::HandTracker(Gpu& gpu, const GpuRig& rig, const HandModel& hand, con
 }
 
 bool HandTracker::isEmpty() const {
-  return carver_.figures().occupied < min_occupied_;
+  return carver_.stats().occupied < min_occupied_;
 }
 
 FitChooseArgs HandTracker::chooseArgs(std::uint32_t count, double cell_m) const {

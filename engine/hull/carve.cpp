@@ -19,14 +19,14 @@ std::uint32_t cube(std::uint32_t x) {
 }
 
 constexpr std::uint32_t kBlockEdges[kMixedSizes] = {kTopVoxels, kBrickVoxels, kBlockVoxels};
-/// Blocks of a level that one invocation classes: all along x that a parent has, but for the topmost.
+/// Blocks of a level that one invocation classifies: a parent's blocks along x, except at the top level.
 constexpr std::uint32_t kRuns[kMixedSizes] = {4, 4, 2};
 
-/// Up to here a workgroup may be one subgroup: all 4³ blocks of 512³ would make more than the 65,535
-/// workgroups of a dispatch.
+/// Up to this resolution a workgroup may be one subgroup: with 512³ voxels, the 4³ blocks would exceed the
+/// 65,535 workgroups of a dispatch.
 constexpr int kFineGrainedVoxels = 256;
 
-/// Neighbours that load a camera together (load_camera.glsl's kLanes): with 8 a camera is three loads.
+/// Invocations that load a camera together (load_camera.glsl's kLanes): with 8, a camera takes three loads.
 std::uint32_t lanes(const Gpu& gpu) {
   return std::min(gpu.subgroupSize(), 8u);
 }
@@ -35,7 +35,7 @@ std::uint32_t lanes(const Gpu& gpu) {
 
 void checkVoxels(int voxels) {
   if (voxels < kMinVoxels || voxels > kMaxVoxels)
-    throw Error("--voxels " + std::to_string(voxels) + " is out of range; give " +
+    throw Error("--voxels " + std::to_string(voxels) + " is out of range; expected " +
                 std::to_string(kMinVoxels) + " to " + std::to_string(kMaxVoxels) +
                 " voxels along the workspace's edge");
 }
@@ -91,7 +91,7 @@ void Carver::recordBlocks(Recorder& recorder, const Kernel<CarveBlockArgs>& kern
   args.children_edge =
       level == 0 ? ceilDivide(args.voxels, kTopVoxels) : kBlockEdges[at - 1] / kBlockEdges[at];
   args.runs_edge = ceilDivide(args.children_edge, kRuns[at]);
-  // the next level takes a run an invocation, the voxels' kernel a block
+  // the next level takes one run per invocation, the voxel kernel one block
   args.next_invocations = level == 2 ? 1 : cube(kBlockEdges[at] / kBlockEdges[at + 1]) / kRuns[at + 1];
   if (level == 0)
     recorder.dispatch(kernel, args,
@@ -111,7 +111,7 @@ void Carver::record(Recorder& recorder, const Buffer<std::uint32_t>& masks, std:
 
   const std::uint32_t all = rig_.cameraCount() == 32 ? ~0u : (1u << rig_.cameraCount()) - 1;
   recordBlocks(recorder, top_blocks_, 0, all & ~missing_cameras);
-  recordBlocks(recorder, brick_blocks_, 1, 0);  // the others ask whom their parents left undecided
+  recordBlocks(recorder, brick_blocks_, 1, 0);  // lower levels test the cameras that their parents left undecided
   recordBlocks(recorder, small_blocks_, 2, 0);
 
   CarveVoxelArgs voxel{};
@@ -126,15 +126,15 @@ void Carver::record(Recorder& recorder, const Buffer<std::uint32_t>& masks, std:
   recorder.dispatchIndirect(voxel_kernel_, voxel, mixed_counts_.raw(), 2 * sizeof(MixedCount));
 }
 
-HullFigures Carver::figures() const {
+HullStats Carver::stats() const {
   const HullSums& sums = sums_.host()[0];
-  HullFigures figures;
-  figures.occupied = sums.occupied;
-  if (sums.occupied == 0) return figures;
+  HullStats stats;
+  stats.occupied = sums.occupied;
+  if (sums.occupied == 0) return stats;
   const Vec3 index_sum(double(sums.index_sums[0]), double(sums.index_sums[1]), double(sums.index_sums[2]));
   const Vec3 index = index_sum / double(sums.occupied) + Vec3::Constant(0.5 - 0.5 * voxels_);
-  figures.centroid = rig_.rig().workspace.center + voxelMetres() * index;
-  return figures;
+  stats.centroid = rig_.rig().workspace.center + voxelMetres() * index;
+  return stats;
 }
 
 VoxelGrid Carver::download() const {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// The voxel model (the paper's fig. 1): the visual hull, that is the intersection of the silhouettes'
+// The voxel model (the paper's fig. 1): the visual hull, which is the intersection of the silhouettes'
 // back-projections (Laurentini 1994), carved coarse to fine.
 //
-// A voxel is occupied when at least two cameras see its centre and it lies in the silhouette of every camera
-// that sees it. A camera that doesn't see it has no say.
+// A voxel is occupied if at least two cameras see its centre and every camera that sees it has it in its
+// silhouette. Cameras that do not see it are ignored.
 #pragma once
 
 #include "engine/camera/gpu_rig.h"
@@ -18,7 +18,7 @@ inline constexpr int kMinVoxels = 32, kMaxVoxels = 512;  ///< along the workspac
 /// \throw Error unless kMinVoxels <= voxels <= kMaxVoxels.
 void checkVoxels(int voxels);
 
-/// Occupancy on the CPU, one byte a voxel (0 or 1), x fastest.
+/// Occupancy on the CPU, one byte per voxel (0 or 1), x fastest.
 struct VoxelGrid {
   int voxels = 0;  ///< along an edge
   std::vector<std::uint8_t> occupied;
@@ -28,21 +28,21 @@ struct VoxelGrid {
   }
 };
 
-/// A voxel's centre in the world.
+/// A voxel's centre, world, metres.
 Vec3 voxelCenter(const Workspace& workspace, int voxels, int x, int y, int z);
 
-struct HullFigures {
+struct HullStats {
   std::size_t occupied = 0;      ///< voxels
-  Vec3 centroid = Vec3::Zero();  ///< their centre of gravity in the world; zero when there are none
+  Vec3 centroid = Vec3::Zero();  ///< of the occupied voxels, world, metres; zero if there are none
 };
 
-/// Carves on the GPU. The model stays there; see carve_io.h for its layout.
+/// Carves on the GPU. The model stays in device memory, in the layout of carve_io.h.
 class Carver {
  public:
   Carver(Gpu& gpu, const GpuRig& rig, int voxels);
 
-  /// Records the carving of `masks` (GpuRig's layout). Work is proportional to the hull's surface. Cameras
-  /// whose bits are in `absent` have no say.
+  /// Records the carving of `masks` (GpuRig's layout). The cost is proportional to the hull's surface. Ignores
+  /// the cameras whose bits are set in `missing_cameras`.
   void record(Recorder& recorder, const Buffer<std::uint32_t>& masks, std::uint32_t missing_cameras = 0);
 
   int voxels() const { return voxels_; }
@@ -51,8 +51,8 @@ class Carver {
   const Buffer<std::uint32_t>& brickStates() const { return brick_states_; }
   const Buffer<std::uint32_t>& words() const { return words_; }
   const Buffer<HullSums>& sums() const { return sums_; }
-  /// Volume and centre of gravity. \pre the recorded work is done
-  HullFigures figures() const;
+  /// Volume and centroid. \pre the recorded work is done
+  HullStats stats() const;
   /// Copies the model to the CPU. \pre the recorded work is done
   VoxelGrid download() const;
 
@@ -75,26 +75,27 @@ class Carver {
   Buffer<HullSums> sums_;
 };
 
-/// The visual hull of one frame, carved on the GPU and copied to the CPU. For many frames, Carver keeps its
-/// buffers. \pre one mask per camera, in the rig's order and of the cameras' sizes
+/// The visual hull of one frame, carved on the GPU and copied to the CPU. For many frames, use Carver, which
+/// keeps its buffers. \pre one mask per camera, in the rig's order and of the cameras' sizes
 /// \throw Error unless kMinVoxels <= voxels <= kMaxVoxels.
 VoxelGrid carve(Gpu& gpu, const Rig& rig, const std::vector<Mask>& masks, int voxels = 128);
 
-/// The reference: every voxel by itself, in double precision.
+/// The reference implementation: voxel by voxel, in double precision.
 VoxelGrid carveReference(const Rig& rig, const std::vector<Mask>& masks, int voxels);
 
-/// Whether a camera's projection of the point falls within `pixels` of a pixel of the other kind or of a
-/// image's border: there float and double may round to different pixels.
+/// Whether the point projects, in any camera, to within `pixels` of a silhouette's edge or an image's border,
+/// where single and double precision may round to different pixels.
 bool isEdgePoint(const Rig& rig, const std::vector<Mask>& masks, const Vec3& point_in_world, double pixels);
 
-/// The voxels whose centre isEdgePoint(). One byte a voxel.
+/// isEdgePoint() of every voxel's centre, one byte per voxel.
 std::vector<std::uint8_t> edgeVoxels(const Rig& rig, const std::vector<Mask>& masks, int voxels,
                                      double pixels);
 
-/// Float and double put a voxel's centre at most this far apart in an image of some hundred pixels.
+/// The largest difference, in pixels, of a projected voxel centre in single and double precision, for images of
+/// several hundred pixels.
 inline constexpr double kEdgePixels = 0.01;
 
-/// The figures of a grid: every voxel by itself, in double precision.
-HullFigures hullFigures(const VoxelGrid& grid, const Workspace& workspace);
+/// The statistics of a grid, in double precision.
+HullStats hullStats(const VoxelGrid& grid, const Workspace& workspace);
 
 }  // namespace airclay

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The visual hull voxel by voxel, in double precision: the twin of the carve kernels.
+// The reference implementation of the carve kernels: voxel by voxel, in double precision.
 #include "engine/hull/carve.h"
 
 namespace airclay {
@@ -44,7 +44,7 @@ bool isEdgePoint(const Rig& rig, const std::vector<Mask>& masks, const Vec3& poi
     const std::optional<Vec2> pixel =
         projectThroughLens(camera.lens, camera.camera_from_world * point_in_world);
     if (!pixel) continue;
-    // the pixels that a shift of up to `pixels` reaches; outside the image counts as a third kind
+    // 0: background, 1: silhouette, 2: outside the image
     const auto kind = [&](double u, double v) {
       const double x = std::floor(u + 0.5), y = std::floor(v + 0.5);
       if (x < 0 || y < 0 || x >= camera.width || y >= camera.height) return 2;
@@ -67,22 +67,22 @@ std::vector<std::uint8_t> edgeVoxels(const Rig& rig, const std::vector<Mask>& ma
   return edge;
 }
 
-HullFigures hullFigures(const VoxelGrid& grid, const Workspace& workspace) {
-  HullFigures figures;
+HullStats hullStats(const VoxelGrid& grid, const Workspace& workspace) {
+  HullStats stats;
   std::size_t index = 0;
   Vec3 sum = Vec3::Zero();
   for (int z = 0; z < grid.voxels; ++z)
     for (int y = 0; y < grid.voxels; ++y)
       for (int x = 0; x < grid.voxels; ++x)
         if (grid.occupied[index++]) {
-          ++figures.occupied;
+          ++stats.occupied;
           sum += Vec3(x, y, z);
         }
-  if (figures.occupied == 0) return figures;
+  if (stats.occupied == 0) return stats;
   const double voxel_m = workspace.edge_m / grid.voxels;
-  figures.centroid =
-      workspace.center + voxel_m * (sum / double(figures.occupied) + Vec3::Constant(0.5 - 0.5 * grid.voxels));
-  return figures;
+  stats.centroid =
+      workspace.center + voxel_m * (sum / double(stats.occupied) + Vec3::Constant(0.5 - 0.5 * grid.voxels));
+  return stats;
 }
 
 }  // namespace airclay

@@ -13,7 +13,7 @@ namespace airclay {
 FieldGrid placeField(const Carver& carver, const Vec3& center, const Vec3& half_size_m) {
   FieldGrid grid;
   const double voxel_m = carver.voxelMetres();
-  // the low corner is a whole brick's: at most so many voxels are lost to that
+  // the low corner is aligned to bricks, which costs at most this many voxels
   constexpr double alignment = kBrickVoxels;
   const double reach = 2 * half_size_m.maxCoeff() / voxel_m + alignment;
   grid.place.stride = static_cast<std::uint32_t>(std::max(1.0, std::ceil(reach / kFieldCells)));
@@ -24,7 +24,7 @@ FieldGrid placeField(const Carver& carver, const Vec3& center, const Vec3& half_
     const double cells = (low - grid.place.low[k] + 2 * half_size_m[k] / voxel_m) / grid.place.stride;
     grid.place.size[k] =
         std::min(kFieldCells, kGroup * static_cast<std::uint32_t>(std::ceil(cells / kGroup)));
-    // the voxel in the cell's middle stands for it
+    // a cell is represented by the voxel in its middle
     grid.low[k] = voxel_m * (grid.place.low[k] + int(grid.place.stride / 2) + 0.5 - 0.5 * carver.voxels());
   }
   return grid;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Signed distance to the voxel model on a box of cells around the hand: the continuous measure of how far
-// *outside* a patch is.
+// The signed distance to the voxel model on a box of cells around the hand: a continuous measure of how far a
+// hand patch is *outside* the model.
 #pragma once
 
 #include "engine/hull/carve.h"
@@ -8,10 +8,10 @@
 
 namespace airclay {
 
-/// Where the box of cells lies, in the workspace's frame.
+/// The box of cells, in the workspace frame.
 struct FieldGrid {
   FieldPlace place{};       ///< in voxels
-  Vec3 low = Vec3::Zero();  ///< the first cell's centre, metres, from the workspace's centre
+  Vec3 low = Vec3::Zero();  ///< the first cell's centre, workspace frame, metres
   double cell_m = 0;
 
   std::size_t cells() const { return std::size_t(place.size[0]) * place.size[1] * place.size[2]; }
@@ -20,8 +20,8 @@ struct FieldGrid {
   }
 };
 
-/// A box that holds `half_size_m` around `center` (workspace's frame): cells as small as the voxels where at
-/// most kFieldCells of them reach that far.
+/// A box that contains `center` ± `half_size_m` (workspace frame). A cell is the smallest whole number of voxels
+/// with which at most kFieldCells cells per axis suffice.
 FieldGrid placeField(const Carver& carver, const Vec3& center, const Vec3& half_size_m);
 
 class DistanceField {
@@ -29,9 +29,9 @@ class DistanceField {
   explicit DistanceField(Gpu& gpu);
   /// Records the distances to the carver's model over `grid`.
   void record(Recorder& recorder, const Carver& carver, const FieldGrid& grid);
-  /// As distance_io.h says, in the order of FieldGrid::index().
+  /// In the format of distance_io.h, ordered by FieldGrid::index().
   const Buffer<std::uint64_t>& entries() const { return entries_; }
-  /// Metres, positive outside. Exact to kFieldReach cells outside and kFieldInnerReach inside. \pre the
+  /// Metres, positive outside. Exact up to kFieldReach cells outside and kFieldInnerReach cells inside. \pre the
   /// recorded work is done
   std::vector<float> download(const FieldGrid& grid) const;
 
@@ -41,10 +41,11 @@ class DistanceField {
   Buffer<std::uint64_t> along_x_, along_y_, entries_;
 };
 
-/// The reference: the same field by brute force over the cells within reach, in double precision.
+/// The reference implementation: brute force over the cells within reach, in double precision.
 std::vector<double> distanceReference(const VoxelGrid& model, const FieldGrid& grid);
 
-/// Trilinear interpolation of a field; outside the box, the border's value.
+/// Trilinear interpolation of a field, metres; outside the box, the value at the border. `point`: workspace
+/// frame.
 double fieldDistance(const std::vector<double>& field, const FieldGrid& grid, const Vec3& point);
 
 }  // namespace airclay

@@ -41,7 +41,7 @@ double fieldDistance(const std::vector<double>& field, const FieldGrid& grid, co
   int low[3];
   double t[3];
   for (int k = 0; k < 3; ++k) {
-    // the same border as the kernel's
+    // the same border as in the kernel
     const double at = std::clamp((point[k] - grid.low[k]) / grid.cell_m, 0.0, grid.place.size[k] - 1.001);
     low[k] = static_cast<int>(at);
     t[k] = at - low[k];

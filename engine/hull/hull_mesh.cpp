@@ -11,7 +11,7 @@ namespace {
 
 using Index = Eigen::Vector3i;
 
-/// The box of the occupied voxels, both corners included; empty if there are none.
+/// The bounding box of the occupied voxels, corners inclusive; empty if there are none.
 Eigen::AlignedBox3i occupiedBox(const VoxelGrid& grid) {
   Eigen::AlignedBox3i box;
   for (int z = 0; z < grid.voxels; ++z)
@@ -26,8 +26,7 @@ double occupancyAt(const VoxelGrid& grid, const Index& voxel) {
   return grid.at(voxel.x(), voxel.y(), voxel.z());
 }
 
-/// Interpolated between the eight voxels around `point`, whose unit is a voxel and whose origin the centre of
-/// voxel 0.
+/// Trilinear interpolation between the eight voxels around `point`: in voxels, origin at voxel 0's centre.
 double interpolatedOccupancy(const VoxelGrid& grid, const Vec3& point) {
   const Index low = point.array().floor().cast<int>();
   const Vec3 fraction = point - low.cast<double>();
@@ -46,7 +45,7 @@ double interpolatedOccupancy(const VoxelGrid& grid, const Vec3& point) {
 TriangleMesh hullMesh(const VoxelGrid& grid, const Workspace& workspace) {
   const Eigen::AlignedBox3i box = occupiedBox(grid);
   if (box.isEmpty()) return {};
-  // In voxels; two cells more on each side, because a surface net may not touch its box.
+  // In voxels; with two extra cells per side, because a surface net must not touch the border of its grid.
   NetGrid net;
   net.low_corner = (box.min() - 2 * Index::Ones()).cast<double>();
   const Index cells = box.max() - box.min() + 4 * Index::Ones();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The voxel model's surface as triangles, for other programs.
+// The voxel model's surface as a triangle mesh, for export.
 #pragma once
 
 #include "engine/hull/carve.h"
@@ -7,10 +7,10 @@
 
 namespace airclay {
 
-/// The hull's surface in the world, metres; empty if no voxel is occupied. It lies where the occupancy (0 or
-/// 1), interpolated linearly between the voxels' centres, is one half; beyond the workspace it is 0. Closed,
-/// anticlockwise from outside; the volume inside is that of the occupied voxels to a few percent where the
-/// hull is thicker than three voxels.
+/// The hull's surface, world, metres; empty if no voxel is occupied. It is the 0.5 level set of the occupancy (0
+/// or 1, trilinearly interpolated between voxel centres, 0 outside the workspace). Closed, counterclockwise seen
+/// from outside. Its volume matches that of the occupied voxels to a few percent if the hull is thicker than
+/// three voxels.
 TriangleMesh hullMesh(const VoxelGrid& grid, const Workspace& workspace);
 
 }  // namespace airclay

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Whether silhouettes and a rig belong together. The visual hull of consistent silhouettes projects back onto
-// all of them (Laurentini 1994); with a wrong rig the views exclude each other, and little or nothing is
-// left.
+// Checks whether silhouettes and a rig belong together. The visual hull of consistent silhouettes projects back
+// onto all of them (Laurentini 1994); with a wrong rig the views contradict each other, and the hull is small or
+// empty.
 #pragma once
 
 #include <span>
@@ -11,31 +11,31 @@
 
 namespace airclay {
 
-/// A camera's silhouettes against the hull of all, in pixels; of large ones, every n-th pixel counts.
+/// One camera's silhouettes compared with the hull, in pixels; large silhouettes are subsampled.
 struct SilhouetteAgreement {
   std::size_t pixels = 0;     ///< of the silhouettes
-  std::size_t in_cube = 0;    ///< of those, the ones whose ray crosses the cube
-  std::size_t explained = 0;  ///< of those, the ones whose ray meets the hull, or passes within a voxel of it
+  std::size_t in_cube = 0;    ///< those of them whose ray crosses the cube
+  std::size_t explained = 0;  ///< those of in_cube whose ray hits the hull or passes within a voxel of it
 
-  double explainedShare() const {
+  double explainedFraction() const {
     return in_cube ? static_cast<double>(explained) / static_cast<double>(in_cube) : 0;
   }
 };
 
-/// Masks of one instant, a camera each.
+/// Masks of one instant, one per camera.
 using MaskSet = std::vector<Mask>;
 
-/// A camera each, all instants together. \pre the rig has no fault, the masks have its sizes
+/// One entry per camera, summed over all instants. \pre the rig has no errors and the masks have its sizes
 std::vector<SilhouetteAgreement> silhouetteAgreement(const Rig& rig, std::span<const MaskSet> instants);
 
-/// Where silhouettes are from: masks or a known background; or the first frames were taken to be empty.
+/// The origin of silhouettes: masks or a known background; or a background that assumes empty first frames.
 enum class SilhouetteSource { kKnown, kAssumed };
 
-/// What the agreement says of the rig: silhouettes beside the cube; a rig that contradicts them, and if that
-/// is found, which camera, which two exchanged ones or which other reading of units, axes and poses it is due
-/// to. Fewer than 3 of 10 pixels explained are a fault, where the silhouettes are to be trusted.
+/// Diagnoses silhouettes outside the cube and rigs that contradict the silhouettes, with the cause if it is
+/// found: one camera, two swapped cameras, or another convention of units, axes or poses. If less than 30 % of
+/// the pixels are explained, the diagnostic is an error, provided that the silhouettes are kKnown.
 std::vector<RigDiagnostic> silhouetteDiagnostics(const Rig& rig, std::span<const MaskSet> instants,
                                                  std::span<const SilhouetteAgreement> agreement,
-                                                 SilhouetteSource trust = SilhouetteSource::kKnown);
+                                                 SilhouetteSource source = SilhouetteSource::kKnown);
 
 }  // namespace airclay

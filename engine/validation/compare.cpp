@@ -187,7 +187,7 @@ VoxelGrid compareHull(Scene& scene, Comparisons& comparisons) {
               !isEdgePoint(scene.rig, scene.masks, voxelCenter(workspace, kVoxels, x, y, z), kEdgePixels);
   comparisons.add("carve, voxels", double(different), 0);
 
-  const HullFigures counted = scene.carver.figures(), figures = hullFigures(carved, workspace);
+  const HullStats counted = scene.carver.stats(), figures = hullStats(carved, workspace);
   comparisons.add("hull volume, voxels", std::abs(double(counted.occupied) - double(figures.occupied)), 0);
   comparisons.add("hull centroid, edges", (counted.centroid - figures.centroid).norm() / workspace.edge_m,
                   1e-12);

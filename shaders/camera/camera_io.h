@@ -24,9 +24,9 @@ struct GpuCamera {
   float distortion[8];
   float limit;            // end of the lens model's monotonic range: r, or theta for the fisheye (rig.h)
   float visible;          // no image point is farther out than this; same quantity
-  float steepness;        // largest change of a distorted coordinate per unit of the same undistorted one, up
+  float max_stretch;        // largest change of a distorted coordinate per unit of the same undistorted one, up
                           // to 1.1 visible
-  float cross_steepness;  // per unit of the other one. Fisheye: steepness is image position per radian; this
+  float max_cross_stretch;  // per unit of the other one. Fisheye: max_stretch is image position per radian; this
                           // is 0
   uint width;
   uint height;

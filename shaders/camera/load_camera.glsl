@@ -29,8 +29,8 @@ GpuCamera loadCamera(ReadCameras cameras, uint index) {
   const vec2 range = REAL_PAIR(12), steep = REAL_PAIR(13);
   camera.limit = range.x;
   camera.visible = range.y;
-  camera.steepness = steep.x;
-  camera.cross_steepness = steep.y;
+  camera.max_stretch = steep.x;
+  camera.max_cross_stretch = steep.y;
   const uvec2 size = PAIR(14), kind = PAIR(15), rows = PAIR(16), masks = PAIR(17);
   camera.width = size.x;
   camera.height = size.y;

@@ -24,7 +24,7 @@ Footprint footprintOf(GpuCamera camera, vec3 center, float half_size) {
   if (rigHas(kLensFisheye) && camera.lens == kLensFisheye) {
     position = atan(length(center.xy), center.z);
     deviation = asin(min(half_size * 1.7320508 / length(center), 1.0));
-    reach = camera.focal * (camera.steepness * deviation);
+    reach = camera.focal * (camera.max_stretch * deviation);
   } else {
     // (x + δx) / (z + δz) - x / z = (δx - x/z δz) / (z + δz), with δ = Σ e_k axes[k] and |e_k| <= half_size
     const vec2 x = center.xy / center.z;
@@ -32,7 +32,7 @@ Footprint footprintOf(GpuCamera camera, vec3 center, float half_size) {
                         (half_size / (center.z - depth));
     position = length(x);
     deviation = length(across);
-    reach = camera.focal * (camera.steepness * across + camera.cross_steepness * across.yx);
+    reach = camera.focal * (camera.max_stretch * across + camera.max_cross_stretch * across.yx);
   }
   if (position - deviation > camera.visible) footprint.seen = kUnseen;
   if (position + deviation > min(camera.limit, 1.1 * camera.visible)) return footprint;

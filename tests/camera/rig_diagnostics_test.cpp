@@ -24,7 +24,7 @@ Rig goodRig() {
 
 std::string shown(const std::vector<RigDiagnostic>& findings) {
   std::string text;
-  for (const RigDiagnostic& finding : findings) text += faultMessage(finding, "rig") + "\n";
+  for (const RigDiagnostic& finding : findings) text += diagnosticMessage(finding, "rig") + "\n";
   return text;
 }
 
@@ -54,12 +54,12 @@ TEST(RigFaults, areAllListedAndTheFirstIsThrown) {
   ASSERT_EQ(faults.size(), expected.size()) << shown(faults);
   for (std::size_t i = 0; i < expected.size(); ++i) {
     EXPECT_EQ(faults[i].camera, expected[i].first) << i;
-    EXPECT_NE(faults[i].what.find(expected[i].second), std::string::npos) << faults[i].what;
-    EXPECT_EQ(faults[i].severity, Severity::kFault);
+    EXPECT_NE(faults[i].message.find(expected[i].second), std::string::npos) << faults[i].message;
+    EXPECT_EQ(faults[i].severity, Severity::kError);
   }
-  EXPECT_EQ(messageOf([&] { checkRig(rig, "rig"); }), faultMessage(faults[0], "rig"));
-  EXPECT_FALSE(canBeMeasured(rig));
-  EXPECT_TRUE(canBeMeasured(goodRig()));
+  EXPECT_EQ(messageOf([&] { checkRig(rig, "rig"); }), diagnosticMessage(faults[0], "rig"));
+  EXPECT_FALSE(isMeasurable(rig));
+  EXPECT_TRUE(isMeasurable(goodRig()));
 }
 
 TEST(RigFaults, ofAFileAreAllListed) {
@@ -72,14 +72,14 @@ TEST(RigFaults, ofAFileAreAllListed) {
       "[one]\n" + good + "translation = [0, 0, 1]\n[two]\n" + good + "translation = [0, 1]\n" +
           "[three]\nmatrix = [[560, 3, 320], [0, 560, 240], [0, 0, 1]]\ndistortions = [0, 0, 0, 0]\n"
           "rotation = [0, 0, 0]\ntranslation = [0, 0, 1]\n[workspace]\nedge = -1\n");
-  const RigReading reading = readRigWithFaults(file);
+  const ParsedRig reading = parseRig(file);
   EXPECT_EQ(reading.rig.cameras.size(), 1u);
-  ASSERT_EQ(reading.faults.size(), 4u) << shown(reading.faults);
-  EXPECT_NE(reading.faults[0].what.find("units"), std::string::npos);
-  EXPECT_EQ(faultMessage(reading.faults[1], reading.where).find(file.string() + ": [two] translation"), 0u);
-  EXPECT_EQ(reading.faults[2].camera, "three");
-  EXPECT_NE(reading.faults[3].what.find("edge"), std::string::npos);
-  EXPECT_EQ(messageOf([&] { readRig(file); }), faultMessage(reading.faults[0], file.string()));
+  ASSERT_EQ(reading.errors.size(), 4u) << shown(reading.errors);
+  EXPECT_NE(reading.errors[0].message.find("units"), std::string::npos);
+  EXPECT_EQ(diagnosticMessage(reading.errors[1], reading.where).find(file.string() + ": [two] translation"), 0u);
+  EXPECT_EQ(reading.errors[2].camera, "three");
+  EXPECT_NE(reading.errors[3].message.find("edge"), std::string::npos);
+  EXPECT_EQ(messageOf([&] { readRig(file); }), diagnosticMessage(reading.errors[0], file.string()));
 }
 
 struct Oddity {
@@ -99,17 +99,17 @@ TEST(RigSuspicions, nameWhatHappenedToAGoodRig) {
   const std::vector<Oddity> oddities = {
       {"millimetres", scaled(1000), {"millimetres"}},
       {"centimetres", scaled(100), {"centimetres"}},
-      {"metres taken for mm", scaled(1e-3), {"probably metres"}},
+      {"metres taken for mm", scaled(1e-3), {"probably in metres"}},
       {"inverse",
        each([](Camera& c) { c.camera_from_world = c.camera_from_world.inverse(); }),
        {"if the poses are world_from_camera;"}},
-      {"OpenGL", each([](Camera& c) { change(c, axes(1, -1, -1)); }), {"if the poses are of OpenGL"}},
+      {"OpenGL", each([](Camera& c) { change(c, axes(1, -1, -1)); }), {"if the poses are those of OpenGL"}},
       {"Blender",
        each([](Camera& c) {
          change(c, axes(1, -1, -1));
          c.camera_from_world = c.camera_from_world.inverse();
        }),
-       {"if the poses are world_from_camera, of OpenGL"}},
+       {"if the poses are world_from_camera of OpenGL"}},
       {"z down", each([](Camera& c) { change(c, Mat3::Identity(), axes(1, -1, -1)); }), {"z points down"}},
       {"world upside down and mirrored cameras",
        each([](Camera& c) { change(c, axes(-1, -1, 1)); }),
@@ -117,7 +117,7 @@ TEST(RigSuspicions, nameWhatHappenedToAGoodRig) {
       {"principal point", [](Rig& rig) { rig.cameras[2].lens.cx += 150; }, {"cam2", "principal point"}},
       {"sides exchanged",
        [](Rig& rig) { std::swap(rig.cameras[1].width, rig.cameras[1].height); },
-       {"cam1", "width and height exchanged"}},
+       {"cam1", "width and height swapped"}},
       {"matrix of an image half as large",
        [](Rig& rig) {
          Lens& lens = rig.cameras[1].lens;
@@ -133,10 +133,10 @@ TEST(RigSuspicions, nameWhatHappenedToAGoodRig) {
        {"cam0", "ends inside the image"}},
       {"cube elsewhere",
        [](Rig& rig) { rig.workspace.center = Vec3(0, 0, -0.9); },
-       {"come nearest to each other at 0,0,0;"}},
+       {"intersect near 0,0,0;"}},
       {"telephoto lenses",
        each([](Camera& c) { c.lens.fx *= 4, c.lens.fy *= 4; }),
-       {"see only", "of the cube"}},
+       {"of the cube is seen by two"}},
       {"far away", scaled(8), {"mm at the cube's centre"}},
   };
   for (const Oddity& oddity : oddities) {
@@ -144,14 +144,14 @@ TEST(RigSuspicions, nameWhatHappenedToAGoodRig) {
     oddity.happen(rig);
     const std::vector<RigDiagnostic> findings = rigWarnings(rig);
     const bool is_found = std::any_of(findings.begin(), findings.end(), [&](const RigDiagnostic& finding) {
-      const std::string line = faultMessage(finding, "rig");
+      const std::string line = diagnosticMessage(finding, "rig");
       return std::all_of(oddity.said.begin(), oddity.said.end(),
                          [&](const std::string& word) { return line.find(word) != std::string::npos; });
     });
     EXPECT_TRUE(is_found) << oddity.name << ": " << shown(findings);
     for (const RigDiagnostic& finding : findings) {
       EXPECT_EQ(finding.severity, Severity::kWarning);
-      EXPECT_EQ(finding.what.find('\n'), std::string::npos);
+      EXPECT_EQ(finding.message.find('\n'), std::string::npos);
     }
   }
 }
@@ -161,12 +161,12 @@ TEST(RigSuspicions, camerasSideBySideAreTooClose) {
   rig.cameras[1] = rig.cameras[0];
   rig.cameras[1].name = "beside";
   rig.cameras[1].camera_from_world.translation().x() += 0.1;  // 5 degrees at 1.06 m
-  EXPECT_NE(shown(rigWarnings(rig)).find("degrees to each other"), std::string::npos);
+  EXPECT_NE(shown(rigWarnings(rig)).find("leaves depth uncertain"), std::string::npos);
   rig.cameras[1].camera_from_world.translation().x() += 0.2;  // 16 degrees
-  EXPECT_EQ(shown(rigWarnings(rig)).find("degrees to each other"), std::string::npos);
+  EXPECT_EQ(shown(rigWarnings(rig)).find("leaves depth uncertain"), std::string::npos);
 }
 
-TEST(RigFigures, areTheKnownOnes) {
+TEST(RigMetrics, areTheKnownOnes) {
   // Two cameras 10 m away on the x and the y axis; the second is aimed so that it sees one half of the cube.
   Rig rig;
   for (int i = 0; i < 2; ++i) {
@@ -185,32 +185,32 @@ TEST(RigFigures, areTheKnownOnes) {
     camera.camera_from_world.translation() = Vec3(0, 0, 10);
     rig.cameras.push_back(camera);
   }
-  const RigFigures figures = measureRig(rig);
-  for (const CameraFigures& camera : figures.cameras) {
+  const RigMetrics figures = measureRig(rig);
+  for (const CameraMetrics& camera : figures.cameras) {
     EXPECT_NEAR(camera.distance_m, 10, 1e-9);
     EXPECT_NEAR(camera.pixels_per_mm, 1, 1e-9);
   }
   EXPECT_NEAR(figures.cameras[0].view_deg, 2 * std::atan(0.05) * 180 / std::numbers::pi, 1e-9);
   EXPECT_NEAR(figures.cameras[1].view_deg, std::atan(0.1) * 180 / std::numbers::pi, 1e-9);
-  EXPECT_EQ(figures.cameras[0].seen_share, 1);
-  EXPECT_NEAR(figures.cameras[1].seen_share, 0.5, 1e-9);
-  EXPECT_NEAR(figures.seen_by_two, 0.5, 1e-9);
+  EXPECT_EQ(figures.cameras[0].seen_fraction, 1);
+  EXPECT_NEAR(figures.cameras[1].seen_fraction, 0.5, 1e-9);
+  EXPECT_NEAR(figures.seen_by_two_fraction, 0.5, 1e-9);
 }
 
-TEST(RigFigures, axesMeetWhereTheCamerasLook) {
+TEST(RigMetrics, axesMeetWhereTheCamerasLook) {
   Rig rig = goodRig();
   const Vec3 shift(0.3, -0.2, 1.7);
   for (Camera& camera : rig.cameras)
     camera.camera_from_world.translation() -= camera.camera_from_world.linear() * shift;
-  const std::optional<Vec3> meet = whereAxesMeet(rig);
+  const std::optional<Vec3> meet = axesIntersection(rig);
   ASSERT_TRUE(meet);
   EXPECT_LE((*meet - shift).norm(), 1e-9);
   for (Camera& camera : rig.cameras) change(camera, axes(1, -1, -1));  // now it lies behind them
-  EXPECT_FALSE(whereAxesMeet(rig));
+  EXPECT_FALSE(axesIntersection(rig));
   Rig parallel = ringRig(2);
   parallel.cameras[1] = parallel.cameras[0];
   parallel.cameras[1].camera_from_world.translation().x() += 0.2;
-  EXPECT_FALSE(whereAxesMeet(parallel));
+  EXPECT_FALSE(axesIntersection(parallel));
 }
 
 // --- against silhouettes ---
@@ -231,7 +231,7 @@ TEST(RigAgreement, aTrueRigExplainsItsSilhouettes) {
   for (const SilhouetteAgreement& camera : silhouetteAgreement(scene.rig, scene.instants)) {
     EXPECT_GT(camera.pixels, 500u);
     EXPECT_EQ(camera.in_cube, camera.pixels);
-    EXPECT_GE(camera.explainedShare(), 0.99);
+    EXPECT_GE(camera.explainedFraction(), 0.99);
   }
   EXPECT_EQ(shown(scene.findings()), "");
 }
@@ -244,14 +244,14 @@ TEST(RigAgreement, aWrongRigIsFoundAndWhatItIsDueTo) {
       {"millimetres", each([](Camera& c) { c.camera_from_world.translation() *= 1000; }), {"in millimetres"}},
       {"inverse",
        each([](Camera& c) { c.camera_from_world = c.camera_from_world.inverse(); }),
-       {"poses that are world_from_camera:"}},
-      {"OpenGL", each([](Camera& c) { change(c, axes(1, -1, -1)); }), {"poses that are of OpenGL"}},
+       {"poses that are world_from_camera;"}},
+      {"OpenGL", each([](Camera& c) { change(c, axes(1, -1, -1)); }), {"poses that are those of OpenGL"}},
       {"left-handed",
        each([](Camera& c) { change(c, axes(-1, 1, 1), axes(1, -1, 1)); }),
        {"mirrored rig", "left to right"}},
       {"exchanged",
        [](Rig& rig) { std::swap(rig.cameras[0].camera_from_world, rig.cameras[1].camera_from_world); },
-       {"\"cam0\" and \"cam1\" exchanged"}},
+       {"\"cam0\" and \"cam1\" swapped"}},
       {"moved",
        [](Rig& rig) {
          change(rig.cameras[3], rotationFromVector({0, 0.12, 0}));
@@ -264,9 +264,9 @@ TEST(RigAgreement, aWrongRigIsFoundAndWhatItIsDueTo) {
     const std::vector<RigDiagnostic> findings = scene.findings();
     ASSERT_EQ(findings.size(), 1u) << oddity.name;
     for (const std::string& word : oddity.said)
-      EXPECT_NE(faultMessage(findings[0], "rig").find(word), std::string::npos)
+      EXPECT_NE(diagnosticMessage(findings[0], "rig").find(word), std::string::npos)
           << oddity.name << ": " << shown(findings);
-    EXPECT_EQ(findings[0].severity, findings[0].camera.empty() ? Severity::kFault : Severity::kWarning);
+    EXPECT_EQ(findings[0].severity, findings[0].camera.empty() ? Severity::kError : Severity::kWarning);
   }
 }
 
@@ -282,8 +282,8 @@ TEST(RigAgreement, whatCannotBeExplainedIsSaid) {
     return silhouetteDiagnostics(scene.rig, scene.instants, agreement, trust);
   };
   ASSERT_EQ(findings(SilhouetteSource::kKnown).size(), 1u);
-  EXPECT_EQ(findings(SilhouetteSource::kKnown)[0].severity, Severity::kFault);
-  EXPECT_NE(findings(SilhouetteSource::kKnown)[0].what.find("contradict"), std::string::npos);
+  EXPECT_EQ(findings(SilhouetteSource::kKnown)[0].severity, Severity::kError);
+  EXPECT_NE(findings(SilhouetteSource::kKnown)[0].message.find("contradict"), std::string::npos);
   EXPECT_EQ(findings(SilhouetteSource::kAssumed)[0].severity, Severity::kWarning);
 
   Scene elsewhere;
@@ -291,7 +291,7 @@ TEST(RigAgreement, whatCannotBeExplainedIsSaid) {
   elsewhere.rig.workspace.edge_m = 0.3;
   const std::vector<RigDiagnostic> beside = elsewhere.findings();
   ASSERT_EQ(beside.size(), 1u);
-  EXPECT_NE(beside[0].what.find("look into the cube"), std::string::npos) << beside[0].what;
+  EXPECT_NE(beside[0].message.find("look into the cube"), std::string::npos) << beside[0].message;
 }
 
 // --- against a recording ---
@@ -354,7 +354,7 @@ TEST(TakeInspection, segmentsImagesBeforeAKnownBackground) {
   EXPECT_EQ(shown(take.findings), "");
   ASSERT_EQ(take.instants.size(), 1u);  // the empty one tells nothing
   const std::vector<SilhouetteAgreement> agreement = silhouetteAgreement(rig, take.instants);
-  for (const SilhouetteAgreement& camera : agreement) EXPECT_GE(camera.explainedShare(), 0.99);
+  for (const SilhouetteAgreement& camera : agreement) EXPECT_GE(camera.explainedFraction(), 0.99);
 
   std::filesystem::remove_all(folder.path() / "cam1");
   const std::string said = shown(inspectTake(folder.path(), rig).findings);

@@ -191,8 +191,8 @@ TEST(RigFormats, easyMocap) {
   const TemporaryFolder folder;
   for (const std::string lens_key : {"dist_", "D_"}) {
     writeEasyMocapFiles(folder, lens_key);
-    const RigReading reading = readAnyRig(folder.path(), RigUnits::kAsWritten);
-    ASSERT_TRUE(reading.faults.empty()) << reading.faults[0].what;
+    const ParsedRig reading = readAnyRig(folder.path(), RigUnits::kAsWritten);
+    ASSERT_TRUE(reading.errors.empty()) << reading.errors[0].message;
     ASSERT_EQ(reading.rig.cameras.size(), 2u);
     EXPECT_EQ(reading.rig.cameras[0].name, "01");
     EXPECT_EQ(reading.rig.cameras[0].height, 480);
@@ -220,11 +220,11 @@ TEST(RigFormats, openCvsStereoCalibration) {
     cv::FileStorage extrinsics((folder / "extrinsics.yml").string(), cv::FileStorage::WRITE);
     extrinsics << "R" << r << "T" << cv::Mat(shift) << "Q" << cv::Mat::eye(4, 4, CV_64F);
   }
-  const RigReading bare = readAnyRig(folder.path(), RigUnits::kAsWritten);
-  ASSERT_EQ(bare.faults.size(), 1u);
-  EXPECT_NE(bare.faults[0].what.find("--units"), std::string::npos);
-  const RigReading reading = readAnyRig(folder / "intrinsics.yml", RigUnits::kMetres);
-  ASSERT_TRUE(reading.faults.empty()) << reading.faults[0].what;
+  const ParsedRig bare = readAnyRig(folder.path(), RigUnits::kAsWritten);
+  ASSERT_EQ(bare.errors.size(), 1u);
+  EXPECT_NE(bare.errors[0].message.find("--units"), std::string::npos);
+  const ParsedRig reading = readAnyRig(folder / "intrinsics.yml", RigUnits::kMetres);
+  ASSERT_TRUE(reading.errors.empty()) << reading.errors[0].message;
   ASSERT_EQ(reading.rig.cameras.size(), 2u);
   EXPECT_EQ(reading.rig.cameras[0].width, 0);  // such a file does not say it
 
@@ -332,7 +332,7 @@ Rig throughForm(const TemporaryFolder& folder, const std::string& form, const Ri
   const std::filesystem::path out = folder / (form == "easymocap" ? form : form + ".toml");
   if (form == "easymocap") std::filesystem::create_directories(out);
   writeRigAs(*rigFormatNamed(form), out, rig);
-  return readAnyRig(out, RigUnits::kAsWritten).rigWithoutFaults();
+  return readAnyRig(out, RigUnits::kAsWritten).validRig();
 }
 
 TEST(RigFormats, everyFormComesBackAsTheSameRig) {
@@ -465,12 +465,12 @@ TEST(RigFormats, easyMocapsFaultsAreAllListed) {
   extri.replace(extri.find("T_01"), 4, "X_01");
   extri.replace(extri.find("-1.000000"), 9, "-3.000000");
   folder.write("extri.yml", extri);
-  const RigReading reading = readAnyRig(folder.path(), RigUnits::kAsWritten);
-  ASSERT_EQ(reading.faults.size(), 2u);
-  const std::string first = faultMessage(reading.faults[0], reading.where);
+  const ParsedRig reading = readAnyRig(folder.path(), RigUnits::kAsWritten);
+  ASSERT_EQ(reading.errors.size(), 2u);
+  const std::string first = diagnosticMessage(reading.errors[0], reading.where);
   EXPECT_EQ(first.find((folder / "extri.yml").string() + ": T_01 is missing"), 0u) << first;
-  EXPECT_EQ(reading.faults[1].camera, "02");
-  EXPECT_NE(reading.faults[1].what.find("rotation"), std::string::npos);
+  EXPECT_EQ(reading.errors[1].camera, "02");
+  EXPECT_NE(reading.errors[1].message.find("rotation"), std::string::npos);
 }
 
 }  // namespace

@@ -257,7 +257,7 @@ TEST(App, HullOfMasksAtAnyScale) {
     const json figures =
         jsonOf({"hull", take.path(), "--frame", "1", "--voxels", "64", "--out", out, "--json"});
     const VoxelGrid reference = carveReference(take.rig, take.masks, 64);
-    const std::size_t occupied = hullFigures(reference, take.rig.workspace).occupied;
+    const std::size_t occupied = hullStats(reference, take.rig.workspace).occupied;
     std::size_t doubtful = 0;  // float and double may part there
     for (const std::uint8_t is_edge : edgeVoxels(take.rig, take.masks, 64, 0.01)) doubtful += is_edge;
     EXPECT_LT(doubtful, occupied / 10);

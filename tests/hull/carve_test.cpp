@@ -8,7 +8,7 @@
 namespace airclay {
 namespace {
 
-VoxelGrid carve(const Rig& rig, const std::vector<Mask>& masks, int voxels, HullFigures* counted = nullptr,
+VoxelGrid carve(const Rig& rig, const std::vector<Mask>& masks, int voxels, HullStats* counted = nullptr,
                 std::uint32_t missing_cameras = 0) {
   Gpu& gpu = testGpu();
   const GpuRig gpu_rig(gpu, rig);
@@ -24,7 +24,7 @@ VoxelGrid carve(const Rig& rig, const std::vector<Mask>& masks, int voxels, Hull
     recorder.submitAndWait();
   }
   EXPECT_TRUE(hazards(recorder.commands()).empty());
-  if (counted) *counted = carver.figures();
+  if (counted) *counted = carver.stats();
   return carver.download();
 }
 
@@ -73,7 +73,7 @@ TEST(Carve, ASphereIsInsideItsHullAndTheHullIsTight) {
   const Rig rig = ringRig(8, 640, 480);
   const Vec3 center(0.05, -0.03, 0.02);
   const double radius_m = 0.09;
-  HullFigures counted;
+  HullStats counted;
   const VoxelGrid grid = carve(rig, sphereMasks(rig, center, radius_m), 128, &counted);
   const double voxel_m = rig.workspace.edge_m / 128;
   std::size_t index = 0;
@@ -90,7 +90,7 @@ TEST(Carve, ASphereIsInsideItsHullAndTheHullIsTight) {
           EXPECT_FALSE(grid.occupied[index]);
         }
       }
-  const HullFigures figures = hullFigures(grid, rig.workspace);
+  const HullStats figures = hullStats(grid, rig.workspace);
   EXPECT_EQ(counted.occupied, figures.occupied);
   EXPECT_LT((counted.centroid - figures.centroid).norm(), 1e-12);
   EXPECT_LT((figures.centroid - center).norm(), 3 * voxel_m);
@@ -108,9 +108,9 @@ TEST(Carve, AHullThatFillsTheCubeIsFull) {
   // the sums of so many indices pass 32 bits
   for (const int voxels : {256, 512}) {
     SCOPED_TRACE(voxels);
-    HullFigures counted;
+    HullStats counted;
     const VoxelGrid grid = carve(rig, masks, voxels, &counted);
-    const HullFigures figures = hullFigures(grid, rig.workspace);
+    const HullStats figures = hullStats(grid, rig.workspace);
     EXPECT_GT(counted.occupied, std::pow(voxels, 3) / 2);
     EXPECT_EQ(counted.occupied, figures.occupied);
     EXPECT_LT((counted.centroid - figures.centroid).norm(), 1e-12);
@@ -120,9 +120,9 @@ TEST(Carve, AHullThatFillsTheCubeIsFull) {
 TEST(Carve, EmptyMasksGiveNothing) {
   const Rig rig = ringRig(4);
   std::vector<Mask> masks = sphereMasks(rig, Vec3(10, 10, 10), 0.01);
-  HullFigures counted;
+  HullStats counted;
   const VoxelGrid grid = carve(rig, masks, 64, &counted);
-  EXPECT_EQ(counted.occupied, hullFigures(grid, rig.workspace).occupied);
+  EXPECT_EQ(counted.occupied, hullStats(grid, rig.workspace).occupied);
   expectEqual(rig, masks, 64);
 }
 

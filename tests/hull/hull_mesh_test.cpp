@@ -25,7 +25,7 @@ void expectClosed(const TriangleMesh& mesh) {
 
 double voxelVolume(const VoxelGrid& grid, const Workspace& workspace) {
   const double voxel_m = workspace.edge_m / grid.voxels;
-  return std::pow(voxel_m, 3) * static_cast<double>(hullFigures(grid, workspace).occupied);
+  return std::pow(voxel_m, 3) * static_cast<double>(hullStats(grid, workspace).occupied);
 }
 
 TEST(HullMesh, HasTheVolumeAndPlaceOfTheVoxels) {
@@ -35,7 +35,7 @@ TEST(HullMesh, HasTheVolumeAndPlaceOfTheVoxels) {
   const TriangleMesh mesh = hullMesh(grid, rig.workspace);
   const MassProperties solid = massProperties(mesh);
   EXPECT_NEAR(solid.volume_m3 / voxelVolume(grid, rig.workspace), 1, 0.01);
-  EXPECT_LT((solid.centroid - hullFigures(grid, rig.workspace).centroid).norm(), 0.2e-3);
+  EXPECT_LT((solid.centroid - hullStats(grid, rig.workspace).centroid).norm(), 0.2e-3);
   expectClosed(mesh);
 }
 
@@ -48,7 +48,7 @@ TEST(HullMesh, CarveEqualsTheReference) {
   for (std::size_t i = 0; i < edge.size(); ++i)
     different += !edge[i] && carved.occupied[i] != expected.occupied[i];
   EXPECT_EQ(different, 0u);
-  EXPECT_GT(hullFigures(carved, rig.workspace).occupied, 1000u);
+  EXPECT_GT(hullStats(carved, rig.workspace).occupied, 1000u);
 }
 
 TEST(HullMesh, AHullThatFillsTheWorkspaceIsClosed) {
