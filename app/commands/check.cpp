@@ -47,7 +47,8 @@ std::string sizeText(int width, int height) {
 /// The rig's cameras and everything that is wrong with them.
 Rig checkRigFile(const std::filesystem::path& file, RigUnits units, Findings& findings) {
   const ParsedRig reading = readAnyRig(file, units);
-  for (const RigDiagnostic& fault : reading.errors) findings.addError(diagnosticMessage(fault, reading.where));
+  for (const RigDiagnostic& fault : reading.errors)
+    findings.addError(diagnosticMessage(fault, reading.where));
   findings.facts["rig"] = reading.where;
   return reading.rig;
 }
@@ -56,7 +57,8 @@ Rig checkRigFile(const std::filesystem::path& file, RigUnits units, Findings& fi
 void checkGeometry(const Rig& rig, const std::filesystem::path& file, Findings& findings) {
   for (const Camera& camera : rig.cameras)
     if (camera.width <= 0 || camera.height <= 0) return;
-  for (const RigDiagnostic& fault : rigErrors(rig)) findings.addError(diagnosticMessage(fault, file.string()));
+  for (const RigDiagnostic& fault : rigErrors(rig))
+    findings.addError(diagnosticMessage(fault, file.string()));
   if (!isMeasurable(rig)) return;
   for (const RigDiagnostic& warning : rigWarnings(rig))
     findings.warnings.push_back(diagnosticMessage(warning, file.string()));

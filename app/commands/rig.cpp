@@ -185,7 +185,8 @@ void printReport(const RigReport& report) {
       if (!report.agreement.empty()) rows.back().push_back(percent(report.agreement[i].explainedFraction()));
     }
     printTable(rows);
-    std::puts(("two cameras or more see " + percent(report.figures->seen_by_two_fraction) + " of the cube").c_str());
+    std::puts(("two cameras or more see " + percent(report.figures->seen_by_two_fraction) + " of the cube")
+                  .c_str());
   }
   for (const RigDiagnostic& finding : report.findings) {
     const std::string whose = finding.camera.empty() ? "" : "camera \"" + finding.camera + "\": ";

@@ -25,8 +25,8 @@ class FrameSource {
   virtual void read(int frame, std::span<std::uint8_t> bgr) = 0;
 };
 
-/// The frames of camera `name` in a take's folder: NAME.mp4 or another of kVideoExtensions, else the images in
-/// NAME/. Endings and names of videos may be in capitals. None when there are neither. \throw Error naming
+/// The frames of camera `name` in a take's folder: NAME.mp4 or another of kVideoExtensions, else the images
+/// in NAME/. Endings and names of videos may be in capitals. None when there are neither. \throw Error naming
 /// the file when it cannot be opened, has no frame, or numbers have a gap; when there are two videos; or the
 /// video is shorter than it declares, unless it may be `unfinished`.
 std::unique_ptr<FrameSource> openFrames(const std::filesystem::path& take, const std::string& name,

@@ -133,7 +133,8 @@ ParsedRig readEasyMocap(const std::filesystem::path& folder, RigUnits units) {
   ParsedRig reading;
   reading.where = folder.string();
   for (const std::string& name : cameraNames(intri))
-    collectError(reading, [&] { reading.rig.cameras.push_back(easyMocapCamera(intri, extri, name, metres)); });
+    collectError(reading,
+                 [&] { reading.rig.cameras.push_back(easyMocapCamera(intri, extri, name, metres)); });
   collectError(reading, [&] { reading.rig.workspace = readWorkspace(extri); });
   return reading;
 }

@@ -23,7 +23,8 @@ class GpuRig {
 
   /// 32-bit words of all masks together (camera_io.h defines their layout).
   std::uint32_t maskWords() const { return mask_words_; }
-  /// Tile entries of all masks together (carve_io.h), and the largest number of 128-pixel bands of any camera.
+  /// Tile entries of all masks together (carve_io.h), and the largest number of 128-pixel bands of any
+  /// camera.
   std::uint32_t tileEntries() const { return tile_entries_; }
   std::uint32_t maxBands() const { return max_bands_; }
   /// 32-bit words of all images together: BGR bytes, rows without padding, each image aligned to a word; plus

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Projection and its inverse for OpenCV's two lens models (calib3d manual: "Camera Calibration and 3D
-// Reconstruction" for the perspective model, "Fisheye camera model" for the other, which is Kannala and Brandt
-// 2006).
+// Reconstruction" for the perspective model, "Fisheye camera model" for the other, which is Kannala and
+// Brandt 2006).
 //
 // Both change a radius and keep its direction: perspective r -> r N(r²) / D(r²) with
 //   N(s) = 1 + k1 s + k2 s² + k3 s³,  D(s) = 1 + k4 s + k5 s² + k6 s³,  r = |(x/z, y/z)|,
@@ -63,7 +63,8 @@ Coefficients product(const Coefficients& a, const Coefficients& b) {
   return result;
 }
 
-/// The curve's slope is ((N + 2sN')D - 2sND') / D²: the range ends at the numerator's first root or at the pole.
+/// The curve's slope is ((N + 2sN')D - 2sND') / D²: the range ends at the numerator's first root or at the
+/// pole.
 double perspectiveLimit(const std::array<double, 8>& k) {
   const Coefficients numerator{1, k[0], k[1], k[4]}, denominator{1, k[5], k[6], k[7]};
   const Coefficients numerator_term{1, 3 * k[0], 5 * k[1], 7 * k[4]};    // N + 2sN'

@@ -50,7 +50,8 @@ struct Rig {
 /// Empty if the point is behind the camera (z <= 0) or beyond the lens model's monotonic range.
 std::optional<Vec2> projectThroughLens(const Lens& lens, const Vec3& point_in_camera);
 
-/// The same for a point in the world frame; empty also outside the image: -1/2 <= u < width - 1/2, likewise v.
+/// The same for a point in the world frame; empty also outside the image: -1/2 <= u < width - 1/2, likewise
+/// v.
 std::optional<Vec2> project(const Camera& camera, const Vec3& point_in_world);
 
 /// The unit direction, in the camera frame, of the ray through a pixel: the inverse of projectThroughLens
@@ -61,9 +62,9 @@ std::optional<Vec3> rayThroughPixel(const Lens& lens, const Vec2& pixel);
 /// Units of a rig file whose [metadata] does not state any; kAsWritten: missing units are an error.
 enum class RigUnits { kAsWritten, kMetres, kMillimetres };
 
-/// Reads Anipose's calibration TOML (also Caliscope, FreeMoCap, Pose2Sim), in which every table with a `matrix`
-/// is a camera, or Caliscope's camera_array.toml. \throw Error naming file, camera and key if the rig is
-/// malformed, implausible, or lacks an image size; parseRig (rig_diagnostics.h) reads such rigs too.
+/// Reads Anipose's calibration TOML (also Caliscope, FreeMoCap, Pose2Sim), in which every table with a
+/// `matrix` is a camera, or Caliscope's camera_array.toml. \throw Error naming file, camera and key if the
+/// rig is malformed, implausible, or lacks an image size; parseRig (rig_diagnostics.h) reads such rigs too.
 Rig readRig(const std::filesystem::path& file, RigUnits units = RigUnits::kAsWritten);
 
 /// One camera as read from a file, unchecked. Common to all rig readers.
@@ -87,8 +88,8 @@ inline constexpr int kMaxCameras = 32;
 /// Bounds of an image's width and height, pixels; the largest image takes 0.8 GB.
 inline constexpr int kMinImageSide = 16, kMaxImageSide = 16384;
 
-/// How rotations are written: as rotation vectors (Rodrigues), which every program reads, or as matrices, which
-/// readRig restores bit for bit.
+/// How rotations are written: as rotation vectors (Rodrigues), which every program reads, or as matrices,
+/// which readRig restores bit for bit.
 enum class RotationFormat { kRodrigues, kMatrices };
 
 /// Writes a rig that readRig reads, in metres. \throw Error if the file cannot be written.
@@ -96,9 +97,9 @@ void writeRig(const std::filesystem::path& file, const Rig& rig,
               RotationFormat rotations = RotationFormat::kRodrigues);
 
 /// \throw Error, naming `file`, if the rig is physically impossible: fewer than two or more than kMaxCameras
-/// cameras; duplicate names; values that are not finite; a focal length or image size out of bounds; an invalid
-/// rotation; a camera inside the cube, within edge/100 of another, farther than 1,000 edges from the cube, or
-/// that sees nothing of it.
+/// cameras; duplicate names; values that are not finite; a focal length or image size out of bounds; an
+/// invalid rotation; a camera inside the cube, within edge/100 of another, farther than 1,000 edges from the
+/// cube, or that sees nothing of it.
 void checkRig(const Rig& rig, const std::filesystem::path& file);
 
 }  // namespace airclay

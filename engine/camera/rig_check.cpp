@@ -70,14 +70,13 @@ bool hasImage(const Camera& camera) {
 void checkSize(const Camera& camera, Diagnostics& diagnostics) {
   if (camera.width == 0 && camera.height == 0)
     return diagnostics.add(
-        camera.name,
-        "size is missing; expected [width, height] in pixels, or a recording to take it from");
+        camera.name, "size is missing; expected [width, height] in pixels, or a recording to take it from");
   for (const int side : {camera.width, camera.height})
     if (side < kMinImageSide || side > kMaxImageSide)
       return diagnostics.add(camera.name, "size is " + std::to_string(camera.width) + " x " +
-                                         std::to_string(camera.height) + "; expected " +
-                                         std::to_string(kMinImageSide) + " to " +
-                                         std::to_string(kMaxImageSide) + " pixels per side");
+                                              std::to_string(camera.height) + "; expected " +
+                                              std::to_string(kMinImageSide) + " to " +
+                                              std::to_string(kMaxImageSide) + " pixels per side");
 }
 
 void checkCamera(const Camera& camera, Diagnostics& diagnostics) {
@@ -90,7 +89,7 @@ void checkCamera(const Camera& camera, Diagnostics& diagnostics) {
     diagnostics.add(name, "matrix contains a value that is not finite");
   else if (!(lens.fx > 0 && lens.fy > 0))
     diagnostics.add(name, "matrix has the focal lengths " + text(lens.fx) + " and " + text(lens.fy) +
-                         "; expected positive values, in pixels");
+                              "; expected positive values, in pixels");
   for (const double value : lens.distortion)
     if (!std::isfinite(value)) {
       diagnostics.add(name, "distortions contain a value that is not finite");
@@ -128,22 +127,22 @@ void checkPosition(const Rig& rig, size_t index, Diagnostics& diagnostics) {
   const Vec3 from_center = centerInWorld(camera) - rig.workspace.center;
   if (from_center.cwiseAbs().maxCoeff() <= edge / 2)
     diagnostics.add(camera.name, "it is inside the workspace cube (edge " + text(edge) +
-                                " m); expected a [workspace] that all cameras see from outside");
+                                     " m); expected a [workspace] that all cameras see from outside");
   if (from_center.norm() > 1000 * edge)
     diagnostics.add(camera.name, "it is " + text(from_center.norm()) +
-                                " m from the workspace's centre; expected at most 1,000 edges (" +
-                                text(1000 * edge) + " m): are the units those of the translations?");
+                                     " m from the workspace's centre; expected at most 1,000 edges (" +
+                                     text(1000 * edge) + " m): are the units those of the translations?");
   for (size_t j = 0; j < index; ++j) {
     if (!isFinite(rig.cameras[j])) continue;
     const double apart = (centerInWorld(camera) - centerInWorld(rig.cameras[j])).norm();
     if (apart < edge / 100)
-      diagnostics.add(camera.name, "it is " + text(apart * 1000) + " mm from camera \"" + rig.cameras[j].name +
-                                  "\"; expected at least 1/100 of the workspace's edge (" + text(edge * 10) +
-                                  " mm)");
+      diagnostics.add(camera.name,
+                      "it is " + text(apart * 1000) + " mm from camera \"" + rig.cameras[j].name +
+                          "\"; expected at least 1/100 of the workspace's edge (" + text(edge * 10) + " mm)");
   }
   if (hasImage(camera) && !seesSome(camera, rig.workspace))
     diagnostics.add(camera.name, "it sees nothing of the workspace cube (edge " + text(edge) +
-                                " m); expected a [workspace] in every camera's image");
+                                     " m); expected a [workspace] in every camera's image");
 }
 
 }  // namespace
@@ -217,8 +216,8 @@ std::vector<RigDiagnostic> rigErrors(const Rig& rig) {
   Diagnostics diagnostics;
   const size_t count = rig.cameras.size();
   if (count < 2 || count > kMaxCameras)
-    diagnostics.add("", "it has " + std::to_string(count) + (count == 1 ? " camera" : " cameras") + "; expected 2 to " +
-                       std::to_string(kMaxCameras));
+    diagnostics.add("", "it has " + std::to_string(count) + (count == 1 ? " camera" : " cameras") +
+                            "; expected 2 to " + std::to_string(kMaxCameras));
   const Workspace& workspace = rig.workspace;
   const bool has_cube = workspace.center.allFinite() && workspace.edge_m >= 1e-3 && workspace.edge_m <= 1e4;
   if (!has_cube) diagnostics.add("", "[workspace] must have a finite center and an edge of 0.001 to 10000 m");

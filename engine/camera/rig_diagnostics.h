@@ -20,8 +20,8 @@ struct RigDiagnostic {
   std::string message;  ///< what is wrong and what is expected, in one line
 };
 
-/// The diagnostic as the message of an Error: `FILE: camera "NAME": …`. `where`: the rig's file, or the folder
-/// of its files; in that case the diagnostic itself names the file.
+/// The diagnostic as the message of an Error: `FILE: camera "NAME": …`. `where`: the rig's file, or the
+/// folder of its files; in that case the diagnostic itself names the file.
 std::string diagnosticMessage(const RigDiagnostic& diagnostic, const std::string& where);
 
 /// The inverse of diagnosticMessage.
@@ -47,9 +47,9 @@ std::vector<RigDiagnostic> rigErrors(const Rig& rig);
 /// Whether metrics can be computed: a valid cube, image sizes and focal lengths, and finite values only.
 bool isMeasurable(const Rig& rig);
 
-/// Probable mistakes: units, pose conventions, a size or matrix that belongs to other images, a lens model that
-/// ends inside the image, cameras that are too far away, too close together, or see too little of the cube.
-/// \pre isMeasurable(rig)
+/// Probable mistakes: units, pose conventions, a size or matrix that belongs to other images, a lens model
+/// that ends inside the image, cameras that are too far away, too close together, or see too little of the
+/// cube. \pre isMeasurable(rig)
 std::vector<RigDiagnostic> rigWarnings(const Rig& rig);
 
 /// One camera's geometry relative to the workspace.
@@ -70,8 +70,8 @@ struct RigMetrics {
 /// \pre isMeasurable(rig)
 RigMetrics measureRig(const Rig& rig);
 
-/// The point closest to all optical axes (least squares), world, metres. Empty if the axes are nearly parallel
-/// or the point is behind a camera.
+/// The point closest to all optical axes (least squares), world, metres. Empty if the axes are nearly
+/// parallel or the point is behind a camera.
 std::optional<Vec3> axesIntersection(const Rig& rig);
 
 /// Conventions that a file may use instead of camera_from_world with OpenCV's axes.

@@ -140,8 +140,8 @@ struct NamedTable {
   const toml::table* table;
 };
 
-/// Tables of `parent` that satisfy `predicate(name, table)`, in file order (toml++ sorts alphabetically: cam_10
-/// before cam_2).
+/// Tables of `parent` that satisfy `predicate(name, table)`, in file order (toml++ sorts alphabetically:
+/// cam_10 before cam_2).
 template <class Predicate>
 std::vector<NamedTable> tablesInOrder(const toml::table& parent, Predicate predicate) {
   std::vector<NamedTable> found;
@@ -245,8 +245,7 @@ class RigReader {
   void readTables() {
     const std::vector<NamedTable> tables = tablesInOrder(root_, isCamera);
     if (tables.empty())
-      throw Error(file_ +
-                  ": it has no camera; expected one table with a matrix per camera, such as [cam_0]");
+      throw Error(file_ + ": it has no camera; expected one table with a matrix per camera, such as [cam_0]");
     double metres = 1;
     collectError([&] { metres = metresPerUnit(); });
     for (const auto& [key, table] : tables) {
@@ -255,7 +254,8 @@ class RigReader {
     }
   }
 
-  /// Reads [workspace], or [metadata.workspace] in files of programs that treat every other table as a camera.
+  /// Reads [workspace], or [metadata.workspace] in files of programs that treat every other table as a
+  /// camera.
   void readWorkspace() {
     const bool in_metadata = !root_.contains("workspace");
     const toml::node_view<const toml::node> node =

@@ -21,9 +21,9 @@ enum class RigFormat {
 /// The format named airclay, anipose, caliscope, pose2sim or easymocap; empty for any other name.
 std::optional<RigFormat> rigFormatNamed(std::string_view name);
 
-/// Writes the rig in metres; the workspace goes where the other program ignores it. `file` is an existing folder
-/// for kEasyMocap. \throw Error if the format cannot express the rig (EasyMocap: a fisheye lens, or a camera
-/// name that is not plain) or the file cannot be written.
+/// Writes the rig in metres; the workspace goes where the other program ignores it. `file` is an existing
+/// folder for kEasyMocap. \throw Error if the format cannot express the rig (EasyMocap: a fisheye lens, or a
+/// camera name that is not plain) or the file cannot be written.
 void writeRigAs(RigFormat format, const std::filesystem::path& file, const Rig& rig);
 
 /// What a user of the written file must know, one line per item: lenses that the program interprets

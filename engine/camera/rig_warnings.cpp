@@ -16,7 +16,8 @@ constexpr double kDegrees = 180 / std::numbers::pi;
 // Distance of the principal point from the image centre, as a fraction of the image side. Webcams stay within
 // 5 %; more means that matrix and size belong to different images.
 constexpr double kMaxPrincipalPointOffset = 0.15;
-// Relative difference of fx and fy. Pixels are square to 0.1 %; calibrations from few views are off by 1 or 2 %.
+// Relative difference of fx and fy. Pixels are square to 0.1 %; calibrations from few views are off by 1 or 2
+// %.
 constexpr double kMaxFocalLengthDifference = 0.03;
 // The field of view of a telephoto lens, and the widest that a perspective model can describe.
 constexpr double kMinView_deg = 10, kMaxView_deg = 150;

@@ -204,8 +204,9 @@ void writeEasyMocap(const std::filesystem::path& folder, const Rig& rig) {
       throw Error(folder.string() + ": camera \"" + camera.name +
                   "\" has a fisheye lens, which EasyMocap's files cannot express; use another format");
     if (!isPlain(camera.name))
-      throw Error(folder.string() + ": camera \"" + camera.name +
-                  "\" has a name that EasyMocap's files cannot contain; expected letters, digits, _ and - only");
+      throw Error(
+          folder.string() + ": camera \"" + camera.name +
+          "\" has a name that EasyMocap's files cannot contain; expected letters, digits, _ and - only");
   }
   std::ostringstream intri = exactText(), extri = exactText();
   writeYamlNames(intri, rig);
@@ -281,8 +282,8 @@ std::vector<std::string> rigFormatNotes(RigFormat format, const Rig& rig) {
     if (format == RigFormat::kPose2Sim && isFisheye(camera))
       notes.push_back(named + " has a fisheye lens; Pose2Sim treats every lens as perspective");
     if (format == RigFormat::kCaliscope && isRational(camera.lens))
-      notes.push_back(named +
-                      " has 8 distortion coefficients; Caliscope itself uses 5, and does not show the others");
+      notes.push_back(
+          named + " has 8 distortion coefficients; Caliscope itself uses 5, and does not show the others");
     if (format == RigFormat::kCaliscope && camera.name != "cam_" + numbers[i])
       notes.push_back(named + " is number " + numbers[i] + " in Caliscope, which expects its video as cam_" +
                       numbers[i] + ".mp4");

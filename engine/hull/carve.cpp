@@ -111,7 +111,8 @@ void Carver::record(Recorder& recorder, const Buffer<std::uint32_t>& masks, std:
 
   const std::uint32_t all = rig_.cameraCount() == 32 ? ~0u : (1u << rig_.cameraCount()) - 1;
   recordBlocks(recorder, top_blocks_, 0, all & ~missing_cameras);
-  recordBlocks(recorder, brick_blocks_, 1, 0);  // lower levels test the cameras that their parents left undecided
+  recordBlocks(recorder, brick_blocks_, 1,
+               0);  // lower levels test the cameras that their parents left undecided
   recordBlocks(recorder, small_blocks_, 2, 0);
 
   CarveVoxelArgs voxel{};

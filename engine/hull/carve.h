@@ -41,8 +41,8 @@ class Carver {
  public:
   Carver(Gpu& gpu, const GpuRig& rig, int voxels);
 
-  /// Records the carving of `masks` (GpuRig's layout). The cost is proportional to the hull's surface. Ignores
-  /// the cameras whose bits are set in `missing_cameras`.
+  /// Records the carving of `masks` (GpuRig's layout). The cost is proportional to the hull's surface.
+  /// Ignores the cameras whose bits are set in `missing_cameras`.
   void record(Recorder& recorder, const Buffer<std::uint32_t>& masks, std::uint32_t missing_cameras = 0);
 
   int voxels() const { return voxels_; }
@@ -91,8 +91,8 @@ bool isEdgePoint(const Rig& rig, const std::vector<Mask>& masks, const Vec3& poi
 std::vector<std::uint8_t> edgeVoxels(const Rig& rig, const std::vector<Mask>& masks, int voxels,
                                      double pixels);
 
-/// The largest difference, in pixels, of a projected voxel centre in single and double precision, for images of
-/// several hundred pixels.
+/// The largest difference, in pixels, of a projected voxel centre in single and double precision, for images
+/// of several hundred pixels.
 inline constexpr double kEdgePixels = 0.01;
 
 /// The statistics of a grid, in double precision.

@@ -20,8 +20,8 @@ struct FieldGrid {
   }
 };
 
-/// A box that contains `center` ± `half_size_m` (workspace frame). A cell is the smallest whole number of voxels
-/// with which at most kFieldCells cells per axis suffice.
+/// A box that contains `center` ± `half_size_m` (workspace frame). A cell is the smallest whole number of
+/// voxels with which at most kFieldCells cells per axis suffice.
 FieldGrid placeField(const Carver& carver, const Vec3& center, const Vec3& half_size_m);
 
 class DistanceField {
@@ -31,8 +31,8 @@ class DistanceField {
   void record(Recorder& recorder, const Carver& carver, const FieldGrid& grid);
   /// In the format of distance_io.h, ordered by FieldGrid::index().
   const Buffer<std::uint64_t>& entries() const { return entries_; }
-  /// Metres, positive outside. Exact up to kFieldReach cells outside and kFieldInnerReach cells inside. \pre the
-  /// recorded work is done
+  /// Metres, positive outside. Exact up to kFieldReach cells outside and kFieldInnerReach cells inside. \pre
+  /// the recorded work is done
   std::vector<float> download(const FieldGrid& grid) const;
 
  private:

@@ -11,8 +11,8 @@
 namespace airclay {
 namespace {
 
-// 64 voxels along 60 cm are 9 mm each, half a finger's width. Alternative rigs are first tried with 32, which is
-// 8 times as fast.
+// 64 voxels along 60 cm are 9 mm each, half a finger's width. Alternative rigs are first tried with 32, which
+// is 8 times as fast.
 constexpr int kVoxels = 64, kCoarseVoxels = 32;
 // Sampled pixels per silhouette: enough for a fraction accurate to 1 %.
 constexpr std::size_t kPixels = 3000;
@@ -153,7 +153,7 @@ class HypothesisSearch {
     evaluate(mirrored(rig_, 0), {0, "", mirror + "left to right)"});
     evaluate(mirrored(rig_, 1), {0, "", mirror + "top to bottom)"});
     for (const auto& [factor, unit] : {std::pair{1e-3, "millimetres"}, std::pair{1e-2, "centimetres"},
-                                        std::pair{1e3, "metres, not millimetres"}}) {
+                                       std::pair{1e3, "metres, not millimetres"}}) {
       Rig scaled = rig_;
       for (Camera& camera : scaled.cameras) camera.camera_from_world.translation() *= factor;
       evaluate(scaled, {0, "", std::string("translations in ") + unit});

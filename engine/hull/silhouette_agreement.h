@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Checks whether silhouettes and a rig belong together. The visual hull of consistent silhouettes projects back
-// onto all of them (Laurentini 1994); with a wrong rig the views contradict each other, and the hull is small or
-// empty.
+// Checks whether silhouettes and a rig belong together. The visual hull of consistent silhouettes projects
+// back onto all of them (Laurentini 1994); with a wrong rig the views contradict each other, and the hull is
+// small or empty.
 #pragma once
 
 #include <span>
@@ -32,8 +32,8 @@ std::vector<SilhouetteAgreement> silhouetteAgreement(const Rig& rig, std::span<c
 enum class SilhouetteSource { kKnown, kAssumed };
 
 /// Diagnoses silhouettes outside the cube and rigs that contradict the silhouettes, with the cause if it is
-/// found: one camera, two swapped cameras, or another convention of units, axes or poses. If less than 30 % of
-/// the pixels are explained, the diagnostic is an error, provided that the silhouettes are kKnown.
+/// found: one camera, two swapped cameras, or another convention of units, axes or poses. If less than 30 %
+/// of the pixels are explained, the diagnostic is an error, provided that the silhouettes are kKnown.
 std::vector<RigDiagnostic> silhouetteDiagnostics(const Rig& rig, std::span<const MaskSet> instants,
                                                  std::span<const SilhouetteAgreement> agreement,
                                                  SilhouetteSource source = SilhouetteSource::kKnown);

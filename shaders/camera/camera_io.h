@@ -22,12 +22,12 @@ struct GpuCamera {
   vec2 focal;        // pixels
   vec2 center;       // pixels, centres at whole numbers
   float distortion[8];
-  float limit;            // end of the lens model's monotonic range: r, or theta for the fisheye (rig.h)
-  float visible;          // no image point is farther out than this; same quantity
-  float max_stretch;        // largest change of a distorted coordinate per unit of the same undistorted one, up
-                          // to 1.1 visible
-  float max_cross_stretch;  // per unit of the other one. Fisheye: max_stretch is image position per radian; this
-                          // is 0
+  float limit;        // end of the lens model's monotonic range: r, or theta for the fisheye (rig.h)
+  float visible;      // no image point is farther out than this; same quantity
+  float max_stretch;  // largest change of a distorted coordinate per unit of the same undistorted one, up
+                      // to 1.1 visible
+  float max_cross_stretch;  // per unit of the other one. Fisheye: max_stretch is image position per radian;
+                            // this is 0
   uint width;
   uint height;
   uint lens;

@@ -76,7 +76,8 @@ TEST(RigFaults, ofAFileAreAllListed) {
   EXPECT_EQ(reading.rig.cameras.size(), 1u);
   ASSERT_EQ(reading.errors.size(), 4u) << shown(reading.errors);
   EXPECT_NE(reading.errors[0].message.find("units"), std::string::npos);
-  EXPECT_EQ(diagnosticMessage(reading.errors[1], reading.where).find(file.string() + ": [two] translation"), 0u);
+  EXPECT_EQ(diagnosticMessage(reading.errors[1], reading.where).find(file.string() + ": [two] translation"),
+            0u);
   EXPECT_EQ(reading.errors[2].camera, "three");
   EXPECT_NE(reading.errors[3].message.find("edge"), std::string::npos);
   EXPECT_EQ(messageOf([&] { readRig(file); }), diagnosticMessage(reading.errors[0], file.string()));
