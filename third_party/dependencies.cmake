@@ -1,11 +1,11 @@
-# Everything comes from Debian 12; packages.txt lists the packages, README.md says why each.
+# Everything comes from Debian 12; packages.txt lists the packages, README.md explains each.
 find_package(Threads REQUIRED)
 find_package(Vulkan REQUIRED)
 find_program(GLSLANG_VALIDATOR glslangValidator REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(nlohmann_json 3.11 REQUIRED)
 find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc imgcodecs videoio calib3d aruco)
-find_package(PkgConfig REQUIRED)  # GStreamer has no other description
+find_package(PkgConfig REQUIRED)  # GStreamer has no CMake package
 pkg_check_modules(GSTREAMER REQUIRED IMPORTED_TARGET
   gstreamer-rtsp-server-1.0>=1.22 gstreamer-app-1.0 gstreamer-video-1.0 gio-2.0)
 find_package(Ceres 2.1 REQUIRED)
@@ -16,7 +16,7 @@ find_package(assimp 5.2 REQUIRED)
 
 # Debian's CMake file for OpenSubdiv names a static library that it does not ship.
 find_library(OPENSUBDIV_LIBRARY osdCPU REQUIRED)
-find_path(TINYGLTF_INCLUDE_DIR tiny_gltf.h REQUIRED)  # header only: engine/mesh/tiny_gltf.cpp says why
+find_path(TINYGLTF_INCLUDE_DIR tiny_gltf.h REQUIRED)  # header only: see engine/mesh/tiny_gltf.cpp
 
 # The window.
 find_package(glfw3 3.3 REQUIRED)
