@@ -216,7 +216,7 @@ void Session::changeSurface(const Action& action) {
 
 void Session::turnClay(const Action& action) {
   turning_ = !action.last;
-  pipeline_.clay().turn(Eigen::Quaterniond(Eigen::AngleAxisd(action.angle_rad, action.axis)));
+  pipeline_.clay().rotate(Eigen::Quaterniond(Eigen::AngleAxisd(action.angle_rad, action.axis)));
   if (action.last) document_.commit("Turn", stateOf(document_, pipeline_.clay()));
 }
 

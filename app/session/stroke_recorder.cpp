@@ -14,7 +14,7 @@ ClayState stateOf(const Document& document, const Clay& clay) {
 
 bool StrokeRecorder::see(const StrokeFrame& frame, const std::string& tool, const Clay& clay) {
   const std::string name = watch_.name();  // name of the stroke that may end here, before another starts
-  if (watch_.see(frame, tool) != StrokeEvent::kEnded) return false;
+  if (watch_.addFrame(frame, tool) != StrokeEvent::kEnded) return false;
   document_.commit(name, stateOf(document_, clay));
   return true;
 }

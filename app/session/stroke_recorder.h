@@ -26,7 +26,7 @@ class StrokeRecorder {
 
  private:
   Document& document_;
-  StrokeWatch watch_;
+  StrokeDetector watch_;
 };
 
 }  // namespace airclay

@@ -35,8 +35,8 @@ PolygonMesh Clay::surface() const {
 
 void Clay::setControlPoints(const std::vector<Vec3>& points) {
   if (static_cast<int>(points.size()) != controlPointCount())
-    throw Error(std::to_string(points.size()) + " control points were given; the cage has " +
-                std::to_string(controlPointCount()));
+    throw Error("got " + std::to_string(points.size()) + " control points; expected " +
+                std::to_string(controlPointCount()) + ", the number in the cage");
   std::vector<Vec3> in_clay = points;
   for (Vec3& point : in_clay) point = workspace_from_clay_.conjugate() * (point - workspace_center_);
   uploadControlPoints(in_clay);
@@ -52,8 +52,8 @@ void Clay::setControlPoints(const std::vector<Vec3>& points, const Eigen::Quater
   setControlPoints(points);
 }
 
-void Clay::turn(const Eigen::Quaterniond& by) {
-  workspace_from_clay_ = (by * workspace_from_clay_).normalized();
+void Clay::rotate(const Eigen::Quaterniond& rotation) {
+  workspace_from_clay_ = (rotation * workspace_from_clay_).normalized();
   ++edits_;
 }
 

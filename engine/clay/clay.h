@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The clay in device memory: control points and the surface that they give.
+// The clay in device memory: control points and the surface that they define.
 #pragma once
 
 #include "engine/clay/clay_state.h"
@@ -9,11 +9,11 @@
 
 namespace airclay {
 
-/// The virtual clay: a control cage and its subdivision d = A p. Positions live on the device, in the clay's
-/// own frame: the workspace's (the world moved to the workspace's centre), turned as the clay has been.
+/// The virtual clay: a control cage and its subdivision d = A p. Positions are in device memory, in the clay
+/// frame: the workspace frame (the world moved to the workspace's centre), rotated with the clay.
 class Clay {
  public:
-  /// \throw Error when the cage is none, or too large.
+  /// \throw Error if the cage is invalid or too large.
   Clay(Gpu& gpu, const ClayState& state, const Vec3& workspace_center);
 
   const Subdivision& subdivision() const { return subdivision_; }
@@ -23,33 +23,32 @@ class Clay {
   int controlPointCount() const { return static_cast<int>(subdivision_.matrix.cols()); }
   int dataPointCount() const { return static_cast<int>(subdivision_.matrix.rows()); }
 
-  /// The cage and the surface as they are now, in the world. \pre no submission is running
+  /// The current cage and surface, world, metres. \pre no submission is running
   PolygonMesh cage() const;
   PolygonMesh surface() const;
-  /// Moves the control points; the surface follows in the same call. World.
+  /// Sets the control points (world, metres) and evaluates the surface.
   void setControlPoints(const std::vector<Vec3>& points);
-  /// The same in a frame that is turned so.
+  /// The same, and sets the clay's rotation.
   void setControlPoints(const std::vector<Vec3>& points, const Eigen::Quaterniond& workspace_from_clay);
-  /// Turns all of it about the workspace's centre.
-  void turn(const Eigen::Quaterniond& by);
+  /// Rotates the clay about the workspace's centre.
+  void rotate(const Eigen::Quaterniond& rotation);
   const Eigen::Quaterniond& workspaceFromClay() const { return workspace_from_clay_; }
-  /// How often that was done: whoever followed the surface starts anew.
+  /// The number of setControlPoints() and rotate() calls; a change tells users of the surface to reset.
   int edits() const { return edits_; }
 
-  /// On the device: control points, data points, unit normals at the data points; metres, in the clay's
-  /// frame.
+  /// On the device: control points, data points, and unit normals at the data points; clay frame, metres.
   const Buffer<vec3>& controlPoints() const { return control_points_; }
   const Buffer<vec3>& dataPoints() const { return evaluator_.dataPoints(); }
   const Buffer<vec3>& normals() const { return evaluator_.normals(); }
-  /// The surface's triangles: two a quad, indices of data points.
+  /// The surface's triangles: two per quad, three indices of data points each.
   const Buffer<std::uint32_t>& triangles() const { return evaluator_.triangles(); }
   std::uint32_t triangleCount() const { return evaluator_.triangleCount(); }
 
-  /// For whoever moves the control points on the device: x y z each in double, of which controlPoints() are
-  /// the rounded copy that the surface is evaluated from.
+  /// The control points in double precision, x y z each, for kernels that move them. controlPoints() is the
+  /// rounded copy from which the surface is evaluated.
   const Buffer<double>& exactPoints() const { return exact_points_; }
   SurfaceEvaluator& evaluator() { return evaluator_; }
-  /// The control points in the clay's frame. \pre no submission is running
+  /// The control points, clay frame, metres. \pre no submission is running
   std::vector<Vec3> downloadControlPoints() const;
   void uploadControlPoints(const std::vector<Vec3>& points);
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Over SQLite 3 (https://sqlite.org/c3ref/intro.html). What is done against files of strangers follows its
+// Built on SQLite 3 (https://sqlite.org/c3ref/intro.html). The precautions against untrusted files follow its
 // "Defense Against The Dark Arts" (https://sqlite.org/security.html).
 //
-// A rollback journal, not write-ahead logging: between two edits FILE.clay alone is the whole document, also
-// after a crash, so it can be copied, mailed and backed up while it is open. A log would save three of four
-// syncs an edit (4 ms became 1.4 ms where this was tried), but leave finished edits in a second file that
-// gets lost.
+// Uses a rollback journal instead of write-ahead logging: between two edits, FILE.clay alone is the whole
+// document, even after a crash, so it can be copied, mailed and backed up while it is open. Write-ahead logging
+// would save three of four syncs per edit (measured: 1.4 ms instead of 4 ms), but leave finished edits in a
+// second file that users lose.
 #include "engine/clay/database.h"
 
 #include <fcntl.h>
@@ -21,13 +21,13 @@
 namespace airclay {
 namespace {
 
-// Half a second: a command that is just ending lets go of the file; a window doesn't.
-constexpr int kPatienceMs = 500;
+// Half a second: long enough for a command that is just ending; a window keeps the file open.
+constexpr int kBusyTimeout_ms = 500;
 
-/// Opened without a complaint of its own; SQLite reads nothing yet.
+/// Opens a connection. SQLite does not read the file yet.
 sqlite3* connect(const std::filesystem::path& file) {
   sqlite3* connection = nullptr;
-  // Absolute, so that no name is taken for a URI or for a database in memory.
+  // Absolute, so that SQLite does not interpret the name as a URI or an in-memory database.
   const int code = sqlite3_open_v2(std::filesystem::absolute(file).c_str(), &connection,
                                    SQLITE_OPEN_READWRITE | SQLITE_OPEN_EXRESCODE, nullptr);
   if (!connection) throw std::bad_alloc();
@@ -45,7 +45,7 @@ void Database::Closer::operator()(sqlite3* connection) const {
 }
 
 Database::Database(const std::filesystem::path& file) : name_(file.string()), connection_(connect(file)) {
-  sqlite3_busy_timeout(get(), kPatienceMs);
+  sqlite3_busy_timeout(get(), kBusyTimeout_ms);
   sqlite3_limit(get(), SQLITE_LIMIT_LENGTH, kMaxValueBytes);
   sqlite3_db_config(get(), SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
   sqlite3_db_config(get(), SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
@@ -56,41 +56,41 @@ Database::Database(const std::filesystem::path& file) : name_(file.string()), co
 }
 
 Database Database::open(const std::filesystem::path& file) {
-  std::error_code fault;
-  const std::filesystem::file_status status = std::filesystem::status(file, fault);
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(file, error);
   if (status.type() == std::filesystem::file_type::not_found)
-    throw Error(file.string() + ": there is no such file; `airclay new` makes one");
-  if (fault) throw Error(file.string() + ": cannot be opened: " + fault.message());
+    throw Error(file.string() + ": there is no such file; `airclay new` creates one");
+  if (error) throw Error(file.string() + ": cannot be opened: " + error.message());
   if (!std::filesystem::is_regular_file(status))
-    throw Error(file.string() + ": is no file; a document that `airclay new` made would be right");
+    throw Error(file.string() + ": is not a file; expected a document created by `airclay new`");
   Database database(file);
-  // SQLite opens for reading what may not be written, and a journal needs the folder.
-  const std::filesystem::path whole = std::filesystem::canonical(file, fault);
+  // SQLite opens a write-protected file for reading, and the journal requires a writable folder.
+  const std::filesystem::path canonical = std::filesystem::canonical(file, error);
   if (sqlite3_db_readonly(database.get(), "main") == 1)
-    throw Error(file.string() + ": may not be written; a copy of it that may be would be right");
-  if (::faccessat(AT_FDCWD, whole.parent_path().c_str(), W_OK | X_OK, AT_EACCESS) != 0)
+    throw Error(file.string() + ": is write-protected; use a copy that can be written");
+  if (::faccessat(AT_FDCWD, canonical.parent_path().c_str(), W_OK | X_OK, AT_EACCESS) != 0)
     throw Error(file.string() + ": its folder cannot be written (" + std::strerror(errno) +
-                "), which every edit needs; a copy in a folder that can be would be right");
+                "), which every edit requires; use a copy in a writable folder");
   return database;
 }
 
 Database Database::create(const std::filesystem::path& file) {
-  // Exclusively: whatever has the name already stays untouched.
+  // Exclusive, so that an existing file stays untouched.
   const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (descriptor < 0)
     throw Error(file.string() + (errno == EEXIST
-                                     ? ": exists already; a new name would be right"
+                                     ? ": already exists; use another name"
                                      : ": cannot be written: " + std::string(std::strerror(errno)) +
-                                           "; name a file in a folder that can be"));
+                                           "; use a file in a writable folder"));
   ::close(descriptor);
   return Database(file);
 }
 
 bool Database::isOpenElsewhere(const std::filesystem::path& file) {
   const Database database(file);
-  char* complaint = nullptr;
-  const int code = sqlite3_exec(database.get(), "BEGIN EXCLUSIVE; COMMIT", nullptr, nullptr, &complaint);
-  sqlite3_free(complaint);
+  char* message = nullptr;
+  const int code = sqlite3_exec(database.get(), "BEGIN EXCLUSIVE; COMMIT", nullptr, nullptr, &message);
+  sqlite3_free(message);
   return (code & 0xff) == SQLITE_BUSY;
 }
 
@@ -98,7 +98,7 @@ void Database::lock() {
   run("PRAGMA locking_mode = EXCLUSIVE");
   run("PRAGMA journal_mode = DELETE");
   run("PRAGMA synchronous = FULL");
-  // In this mode a lock that was taken once is kept.
+  // In this mode the connection keeps a lock once it has acquired it.
   run("BEGIN EXCLUSIVE");
   run("COMMIT");
 }
@@ -114,14 +114,14 @@ std::int64_t Database::number(const char* sql) const {
   return statement.number(0);
 }
 
-void Database::checkInPlace() const {
+void Database::checkNotMoved() const {
   int moved = 0;
   sqlite3_file_control(get(), "main", SQLITE_FCNTL_HAS_MOVED, &moved);
   if (moved)
     throw Error(
         name_ +
-        ": was moved or deleted while it was open, and nothing more is written to it; saving the clay "
-        "under a new name keeps it");
+        ": was moved or deleted while it was open, so nothing more is written to it; save the clay under a "
+        "new name to keep it");
 }
 
 void Database::copyTo(const std::filesystem::path& file, const std::string& name) const {
@@ -132,7 +132,7 @@ void Database::copyTo(const std::filesystem::path& file, const std::string& name
   if (code == SQLITE_OK) code = sqlite3_step(statement);
   sqlite3_finalize(statement);
   if (code != SQLITE_DONE) fail(code, (code & 0xff) == SQLITE_CORRUPT ? name_ : name);
-  syncToDisk(file, name);  // SQLite doesn't: after a power cut the copy could be empty
+  syncToDisk(file, name);  // SQLite does not sync it: after a power failure the copy could be empty
 }
 
 void Database::syncToDisk(const std::filesystem::path& file_or_folder, const std::string& name) {
@@ -150,9 +150,9 @@ void Database::fail(int code, const std::string& name) const {
   const std::string reason = system ? std::strerror(system) : detail;
   const bool writing_failed = (code & 0xff) == SQLITE_IOERR && (system == ENOSPC || system == EDQUOT);
   if ((code & 0xff) == SQLITE_FULL || writing_failed)
-    throw Error(name + ": the disk is full, so nothing was written; free some space, then try again");
+    throw Error(name + ": the disk is full, so nothing was written; free some space and try again");
   if (code == SQLITE_READONLY_DIRECTORY)
-    throw Error(name + ": cannot be written: its folder may not be; one that may be would be right");
+    throw Error(name + ": cannot be written: its folder is write-protected; use a writable folder");
   switch (code & 0xff) {
     case SQLITE_NOMEM:
       throw std::bad_alloc();
@@ -160,23 +160,22 @@ void Database::fail(int code, const std::string& name) const {
     case SQLITE_LOCKED:
       throw Error(name + ": is open in another window or program; close it there first");
     case SQLITE_NOTADB:
-      throw Error(name + ": is no Airclay document; one that `airclay new` made would be right");
+      throw Error(name + ": is not an Airclay document; expected one created by `airclay new`");
     case SQLITE_CANTOPEN:
     case SQLITE_READONLY:
     case SQLITE_PERM:
     case SQLITE_AUTH:
-      throw Error(name + ": cannot be written: " + reason +
-                  "; a file in a folder that can be would be right");
+      throw Error(name + ": cannot be written: " + reason + "; use a file in a writable folder");
     case SQLITE_IOERR:
       throw Error(name + ": cannot be read or written: " + reason +
-                  "; nothing was changed, another disk would be right");
+                  "; nothing was changed; use another disk");
     default:
       failDamaged(detail);
   }
 }
 
 void Database::failDamaged(const std::string& what) const {
-  throw Error(name_ + ": is damaged or was cut short (" + what + "); a whole copy of it would be right");
+  throw Error(name_ + ": is damaged or truncated (" + what + "); use an intact copy");
 }
 
 void Statement::Closer::operator()(sqlite3_stmt* statement) const {
@@ -219,7 +218,7 @@ bool Statement::next() {
 void Statement::checkType(int column, int type) const {
   if (sqlite3_column_type(statement_.get(), column) != type)
     database_.failDamaged(std::string("column ") + sqlite3_column_name(statement_.get(), column) +
-                          " is of another type");
+                          " has the wrong type");
 }
 
 std::int64_t Statement::number(int column) const {
@@ -244,13 +243,13 @@ std::span<const std::byte> Statement::bytes(int column) const {
 }
 
 Transaction::Transaction(Database& database) : database_(database) {
-  database.checkInPlace();
+  database.checkNotMoved();
   database.run("BEGIN IMMEDIATE");
 }
 
 Transaction::~Transaction() {
-  // After some faults SQLite has rolled back by itself. A rollback that fails is done when the file is next
-  // opened.
+  // After some errors SQLite has already rolled back. If the rollback fails, SQLite repeats it when the file is
+  // next opened.
   if (!sqlite3_get_autocommit(database_.get()))
     sqlite3_exec(database_.get(), "ROLLBACK", nullptr, nullptr, nullptr);
 }

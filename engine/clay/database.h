@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// SQLite as a document needs it: one file, one program, and every fault a line that says what to do.
+// A thin SQLite wrapper for documents: one file, one program, and a one-line message for every error.
 #pragma once
 
 #include <cstddef>
@@ -15,42 +15,42 @@ struct sqlite3_stmt;
 
 namespace airclay {
 
-/// A database file that this connection alone has open, until it is destroyed. A rollback journal with full
-/// syncs: a transaction that was committed has reached the disk, one that was not leaves no trace.
-/// Everything throws Error with the file's name first: when it is no database, is damaged or cut short, is
-/// open elsewhere, cannot be read or written, or the disk is full.
+/// A database file, locked exclusively from lock() until destruction. Uses a rollback journal with full syncs:
+/// a committed transaction is on the disk, an uncommitted one leaves no trace.
+/// Every function throws Error, starting with the file's name, if the file is not a database, is damaged or
+/// truncated, is open elsewhere, or cannot be read or written, or if the disk is full.
 class Database {
  public:
-  /// Opens an existing file. Nothing in it is believed: no trigger or view of it runs, and no value of more
-  /// than kMaxValueBytes is read. Not locked yet, so that a file of another program is left alone.
+  /// Opens an existing file, which is not trusted: its triggers and views do not run, and values above
+  /// kMaxValueBytes are not read. Does not lock the file yet, so that other programs' files stay untouched.
   static Database open(const std::filesystem::path& file);
-  /// Makes an empty file and opens it. \throw Error when there is anything of this name.
+  /// Creates an empty file and opens it. \throw Error if the name exists.
   static Database create(const std::filesystem::path& file);
-  /// Whether another program has the file open as a database. What that program left of an unfinished
-  /// transaction, if it died, is rolled back.
+  /// Whether another program has the file open as a database. Rolls back a transaction that a crashed program
+  /// left unfinished.
   static bool isOpenElsewhere(const std::filesystem::path& file);
 
-  /// Keeps every other program out from now on.
+  /// Locks the file against other programs until destruction.
   void lock();
-  /// One statement without parameters and results.
+  /// Runs one statement without parameters or results.
   void run(const char* sql);
-  /// The one whole number that a statement gives.
+  /// The single integer that a query returns.
   std::int64_t number(const char* sql) const;
-  /// \throw Error when the file has another name now or was deleted: what would be written to it is lost.
-  void checkInPlace() const;
+  /// \throw Error if the file was renamed or deleted, so that further writes would be lost.
+  void checkNotMoved() const;
 
-  /// Copies all but what was deleted into a new file, and to the disk. \throw Error that begins with `name`,
-  /// the copy's as the user knows it.
+  /// Copies the database, without deleted rows, to a new file and syncs it. \throw Error starting with `name`,
+  /// the copy's name for the user.
   void copyTo(const std::filesystem::path& file, const std::string& name) const;
-  /// What SQLite or rename() left to the system is on the disk when this returns.
+  /// Calls fsync on the file or folder. \throw Error starting with `name`
   static void syncToDisk(const std::filesystem::path& file_or_folder, const std::string& name);
 
-  /// As it was given.
+  /// The path as passed to open() or create().
   const std::string& name() const { return name_; }
   sqlite3* get() const { return connection_.get(); }
-  /// Throws the Error that fits SQLite's result code.
+  /// Throws the Error for an SQLite result code.
   [[noreturn]] void fail(int code) const { fail(code, name_); }
-  /// Throws the Error of a file whose content is not as Airclay writes it.
+  /// Throws the Error for content that Airclay did not write.
   [[noreturn]] void failDamaged(const std::string& what) const;
 
   static constexpr int kMaxValueBytes = 128 << 20;  ///< 5 million control points are 120 MB
@@ -66,22 +66,22 @@ class Database {
   std::unique_ptr<sqlite3, Closer> connection_;
 };
 
-/// A statement under way. Parameters are counted from 1, columns from 0, as SQLite does.
+/// A prepared statement. Parameters count from 1 and columns from 0, as in SQLite.
 class Statement {
  public:
   Statement(const Database& database, const char* sql);
 
   Statement& bind(int parameter, std::int64_t number);
   Statement& bind(int parameter, std::string_view text);
-  /// \pre the bytes stay as they are until the last next()
+  /// \pre the bytes stay unchanged until the last next()
   Statement& bind(int parameter, std::span<const std::byte> bytes);
 
-  /// To the next row; false at the end, and with a statement that gives none.
+  /// Advances to the next row; false at the end, or if the statement returns no rows.
   bool next();
-  /// A column of this row. \throw Error when it is of another type: somebody else wrote it.
+  /// A column of the current row. \throw Error if it has another type, which Airclay does not write.
   std::int64_t number(int column) const;
   std::string text(int column) const;
-  std::span<const std::byte> bytes(int column) const;  ///< until next()
+  std::span<const std::byte> bytes(int column) const;  ///< valid until next()
 
  private:
   struct Closer {
@@ -93,15 +93,15 @@ class Statement {
   std::unique_ptr<sqlite3_stmt, Closer> statement_;
 };
 
-/// What is written between here and commit() is written whole or not at all.
+/// Makes all writes until commit() atomic; rolls back on destruction without commit().
 class Transaction {
  public:
-  /// \throw Error as Database::checkInPlace().
+  /// \throw Error like Database::checkNotMoved().
   explicit Transaction(Database& database);
   ~Transaction();
   Transaction(const Transaction&) = delete;
   Transaction& operator=(const Transaction&) = delete;
-  /// When it returns, all is on the disk. \throw Error and nothing is changed.
+  /// On return, everything is on the disk. \throw Error if it fails; then nothing has changed.
   void commit();
 
  private:

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The file: an SQLite database (https://sqlite.org/fileformat2.html) with application_id kApplicationId and
-// user_version Document::kFormat, and the tables of kSchema. An entry is a whole state, so that undo reads
-// one row, however long the history. Only its control points are its own: the faces are a row that it shares
-// with the entries before it, until an edit changes them. 1,000 strokes on 4,096 control points are 100 MB.
+// The file is an SQLite database (https://sqlite.org/fileformat2.html) with application_id kApplicationId,
+// user_version Document::kFormat, and the tables of kSchema. An entry is a complete state, so that undo reads
+// one row, however long the history. Each entry has its own control points; consecutive entries refer to the
+// same row of faces until an edit changes them. 1,000 strokes on 4,096 control points take 100 MB.
 #include "engine/clay/document.h"
 
 #include <unistd.h>
@@ -23,16 +23,16 @@ namespace {
 
 constexpr std::int64_t kApplicationId = 0x41636c79;  // "Acly"
 
-// SQLite's smallest page: it takes less for an empty database of nobody's.
-constexpr std::uintmax_t kLeastBytes = 512;
+// SQLite's smallest page. SQLite treats a shorter file as a new, empty database.
+constexpr std::uintmax_t kMinFileBytes = 512;
 
 constexpr std::int64_t kMaxId = std::numeric_limits<std::int32_t>::max();
 
 constexpr const char* kSchema[] = {
-    // Faces by their corner counts and corners: 32-bit little-endian whole numbers.
+    // Faces as corner count and corners: 32-bit little-endian integers.
     "CREATE TABLE connectivity ("
     " id INTEGER PRIMARY KEY, point_count INTEGER NOT NULL, faces BLOB NOT NULL) STRICT",
-    // Points by x, y, z: doubles, little-endian; metres, world.
+    // Points as x, y, z: little-endian doubles; metres, world.
     "CREATE TABLE entry ("
     " id INTEGER PRIMARY KEY, name TEXT NOT NULL, unix_time_s INTEGER NOT NULL,"
     " rule TEXT NOT NULL, levels INTEGER NOT NULL, solve TEXT NOT NULL,"
@@ -42,27 +42,27 @@ constexpr const char* kSchema[] = {
     " current_entry INTEGER NOT NULL REFERENCES entry (id)) STRICT",
 };
 
-// Of entries whose clay was turned: its unit quaternion x, y, z, w, doubles, little-endian; NULL of the
-// others. The column comes with the first of them, so that documents without one are as they ever were.
-constexpr const char* kAddTurns = "ALTER TABLE entry ADD COLUMN turn BLOB";
-constexpr const char* kHasTurns = "SELECT count(*) FROM pragma_table_info('entry') WHERE name = 'turn'";
+// The rotation of entries whose clay is rotated: a unit quaternion x, y, z, w, little-endian doubles; otherwise
+// NULL. The column is added with the first such entry, so that other documents stay readable by older versions.
+constexpr const char* kAddRotationColumn = "ALTER TABLE entry ADD COLUMN turn BLOB";
+constexpr const char* kCountRotationColumns = "SELECT count(*) FROM pragma_table_info('entry') WHERE name = 'turn'";
 
 constexpr std::pair<SubdivisionRule, const char*> kRules[] = {
     {SubdivisionRule::kCatmullClark, "catmull-clark"}, {SubdivisionRule::kPrinted, "printed"}};
 
 template <class Value, std::size_t n>
-std::string wordOf(const std::pair<Value, const char*> (&words)[n], Value value) {
-  return std::find_if(words, words + n, [&](const auto& pair) { return pair.first == value; })->second;
+std::string idOf(const std::pair<Value, const char*> (&table)[n], Value value) {
+  return std::find_if(table, table + n, [&](const auto& pair) { return pair.first == value; })->second;
 }
 
 template <class Value, std::size_t n>
-std::optional<Value> valueOf(const std::pair<Value, const char*> (&words)[n], const std::string& word) {
-  for (const auto& [value, own] : words)
-    if (word == own) return value;
+std::optional<Value> valueOf(const std::pair<Value, const char*> (&table)[n], const std::string& id) {
+  for (const auto& [value, value_id] : table)
+    if (id == value_id) return value;
   return std::nullopt;
 }
 
-// Blobs are the memory of their values.
+// Blobs are the in-memory representation of their values.
 static_assert(std::endian::native == std::endian::little && sizeof(int) == 4 && sizeof(Vec3) == 24);
 
 template <class Value>
@@ -75,23 +75,23 @@ std::vector<Value> valuesOf(std::span<const std::byte> bytes) {
 
 void checkName(const std::string& name, const std::string& where) {
   if (name.empty() || name.size() > Document::kMaxNameBytes)
-    throw Error(where + ": an edit's name of " + std::to_string(name.size()) + " bytes; 1 to " +
-                std::to_string(Document::kMaxNameBytes) + " would be right");
+    throw Error(where + ": the edit's name has " + std::to_string(name.size()) + " bytes; expected 1 to " +
+                std::to_string(Document::kMaxNameBytes));
 }
 
 void checkFormat(const Database& database, const std::filesystem::path& file) {
   std::error_code ignored;
   const std::uintmax_t bytes = std::filesystem::file_size(file, ignored);
-  if (bytes < kLeastBytes)
-    throw Error(file.string() + ": is no Airclay document, or was cut short to " + std::to_string(bytes) +
-                " bytes; one that `airclay new` made would be right");
+  if (bytes < kMinFileBytes)
+    throw Error(file.string() + ": is not an Airclay document, or is truncated to " + std::to_string(bytes) +
+                " bytes; expected one created by `airclay new`");
   if (database.number("PRAGMA application_id") != kApplicationId)
     throw Error(file.string() +
-                ": is another program's database; a document that `airclay new` made would be right");
+                ": is another program's database; expected a document created by `airclay new`");
   const std::int64_t format = database.number("PRAGMA user_version");
   if (format > Document::kFormat)
-    throw Error(file.string() + ": was made by a newer Airclay (format " + std::to_string(format) +
-                "; this one reads " + std::to_string(Document::kFormat) + "); that one would be right");
+    throw Error(file.string() + ": was created by a newer Airclay (format " + std::to_string(format) +
+                "; this version reads " + std::to_string(Document::kFormat) + "); use the newer version");
   if (format < 1) database.failDamaged("its format is " + std::to_string(format));
 }
 
@@ -99,20 +99,20 @@ std::filesystem::path withSuffix(std::filesystem::path file, const std::string& 
   return file += suffix;
 }
 
-/// Takes away the file and what SQLite may have left beside it.
+/// Deletes the file and the files that SQLite may have left next to it.
 void removeDatabase(const std::filesystem::path& file) {
   for (const char* suffix : {"", "-journal", "-wal", "-shm"}) ::unlink(withSuffix(file, suffix).c_str());
 }
 
-/// What a copy would replace: a file that nobody has open, or nothing.
+/// \throw Error unless `file` does not exist or is a regular file that no program has open.
 void checkReplaceable(const std::filesystem::path& file) {
   std::error_code ignored;
   if (!std::filesystem::exists(file, ignored)) return;
   if (!std::filesystem::is_regular_file(file, ignored))
-    throw Error(file.string() + ": cannot be written: it is no file; name one");
+    throw Error(file.string() + ": cannot be written: it is not a regular file; use another name");
   if (Database::isOpenElsewhere(file))
     throw Error(file.string() +
-                ": is open in another window or program; close it there, or name another file");
+                ": is open in another window or program; close it there, or use another name");
 }
 
 }  // namespace
@@ -220,23 +220,23 @@ std::vector<HistoryEntry> Document::history() const {
 void Document::saveAs(const std::filesystem::path& file) const {
   std::error_code ignored;
   if (std::filesystem::equivalent(file, file_, ignored))
-    throw Error(file.string() + ": is this document's own file, which holds every edit; name another one");
+    throw Error(file.string() + ": is this document's own file, which already contains every edit; use another name");
   checkReplaceable(file);
-  // Through a link: its target is replaced, the link stays.
+  // For a symbolic link, replace its target and keep the link.
   const std::filesystem::path target =
       std::filesystem::is_symlink(file, ignored) ? std::filesystem::weakly_canonical(file, ignored) : file;
-  const std::filesystem::path beside =
+  const std::filesystem::path temporary =
       std::filesystem::absolute(withSuffix(target, ".part-" + std::to_string(::getpid())));
-  removeDatabase(beside);
+  removeDatabase(temporary);
   try {
-    database_.copyTo(beside, file.string());
-    // A journal of the file that is replaced would be taken for the copy's.
+    database_.copyTo(temporary, file.string());
+    // SQLite would apply a journal of the replaced file to the copy.
     for (const char* suffix : {"-journal", "-wal", "-shm"}) ::unlink(withSuffix(target, suffix).c_str());
-    if (::rename(beside.c_str(), target.c_str()) != 0)
+    if (::rename(temporary.c_str(), target.c_str()) != 0)
       throw Error(file.string() + ": cannot be written: " + std::strerror(errno));
-    Database::syncToDisk(beside.parent_path(), file.string());
+    Database::syncToDisk(temporary.parent_path(), file.string());
   } catch (...) {
-    removeDatabase(beside);
+    removeDatabase(temporary);
     throw;
   }
 }
@@ -259,18 +259,18 @@ std::int64_t Document::insertEntry(const Entry& entry, const Loaded& loaded) {
                    "VALUES (?, ?, ?, ?, ?, ?, ?)");
   insert.bind(1, std::string_view(entry.name))
       .bind(2, entry.unix_time_s)
-      .bind(3, std::string_view(wordOf(kRules, loaded.state.rule)))
+      .bind(3, std::string_view(idOf(kRules, loaded.state.rule)))
       .bind(4, static_cast<std::int64_t>(loaded.state.levels))
       .bind(5, std::string_view(loaded.state.solve->id))
       .bind(6, loaded.connectivity)
       .bind(7, std::as_bytes(std::span(loaded.state.cage.points)));
   insert.next();
   const std::int64_t id = database_.number("SELECT last_insert_rowid()");
-  const Eigen::Vector4d& turn = loaded.state.workspace_from_clay.coeffs();
-  if (turn != Eigen::Quaterniond::Identity().coeffs()) {
-    if (database_.number(kHasTurns) == 0) database_.run(kAddTurns);
+  const Eigen::Vector4d& rotation = loaded.state.workspace_from_clay.coeffs();
+  if (rotation != Eigen::Quaterniond::Identity().coeffs()) {
+    if (database_.number(kCountRotationColumns) == 0) database_.run(kAddRotationColumn);
     Statement update(database_, "UPDATE entry SET turn = ? WHERE id = ?");
-    update.bind(1, std::as_bytes(std::span(turn.data(), 4))).bind(2, id).next();
+    update.bind(1, std::as_bytes(std::span(rotation.data(), 4))).bind(2, id).next();
   }
   return id;
 }
@@ -292,7 +292,7 @@ void Document::loadHistory() {
     entries_.push_back({select.number(0), select.number(1), select.text(2)});
     const std::string& name = entries_.back().name;
     if (name.empty() || name.size() > kMaxNameBytes) database_.failDamaged("a name's length");
-    // Past this, SQLite would no longer number entries in their order.
+    // Near the largest id, SQLite no longer assigns ids in ascending order.
     if (entries_.back().id < 1 || entries_.back().id > kMaxId) database_.failDamaged("an entry's number");
     if (entries_.back().id == current) found = entries_.size() - 1;
   }
@@ -312,34 +312,34 @@ Document::Loaded Document::load(const Entry& entry) const {
   const SolveMethod* solve = findSolveMethod(select.text(2));
   if (!rule || !solve)
     throw Error(where(entry) + " has an unknown " +
-                (rule ? "solve; " + solveMethodIds() : "rule; catmull-clark or printed") + " would be right");
+                (rule ? "solve; expected " + solveMethodIds() : "rule; expected catmull-clark or printed"));
   Loaded loaded;
   loaded.state.rule = *rule;
   loaded.state.solve = solve;
   loaded.state.levels = static_cast<int>(std::clamp<std::int64_t>(select.number(1), 0, kMaxStateLevels + 1));
   loaded.connectivity = select.number(3);
-  // Strokes share their faces: those at hand need not be read again.
+  // Strokes do not change faces: reuse the current ones if the row is the same.
   std::size_t point_count = state_.cage.points.size();
   loaded.state.cage.faces =
       loaded.connectivity == connectivity_ ? state_.cage.faces : loadFaces(loaded.connectivity, point_count);
   const std::span<const std::byte> points = select.bytes(4);
   if (points.size() != point_count * sizeof(Vec3))
-    throw Error(where(entry) + " has " + std::to_string(points.size()) + " bytes of control points; " +
-                std::to_string(point_count * sizeof(Vec3)) + " would be right");
+    throw Error(where(entry) + " has " + std::to_string(points.size()) + " bytes of control points; expected " +
+                std::to_string(point_count * sizeof(Vec3)));
   loaded.state.cage.points = valuesOf<Vec3>(points);
-  loaded.state.workspace_from_clay = loadTurn(entry);
+  loaded.state.workspace_from_clay = loadRotation(entry);
   checkClayState(loaded.state, where(entry));
   return loaded;
 }
 
-Eigen::Quaterniond Document::loadTurn(const Entry& entry) const {
-  if (database_.number(kHasTurns) == 0) return Eigen::Quaterniond::Identity();
+Eigen::Quaterniond Document::loadRotation(const Entry& entry) const {
+  if (database_.number(kCountRotationColumns) == 0) return Eigen::Quaterniond::Identity();
   Statement select(database_, "SELECT turn FROM entry WHERE id = ? AND turn IS NOT NULL");
   if (!select.bind(1, entry.id).next()) return Eigen::Quaterniond::Identity();
   const std::vector<double> values = valuesOf<double>(select.bytes(0));
   if (values.size() != 4)
     throw Error(where(entry) + " has " + std::to_string(values.size()) +
-                " numbers of the clay's turn; 4 would be right");
+                " numbers in the clay's rotation; expected 4");
   return Eigen::Quaterniond(Eigen::Vector4d(values.data()));
 }
 

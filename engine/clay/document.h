@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A document, FILE.clay: the clay and every edit that made it, in an SQLite database.
+// A document, FILE.clay: the clay and its complete edit history, in an SQLite database.
 #pragma once
 
 #include <optional>
@@ -10,41 +10,42 @@
 
 namespace airclay {
 
-/// An edit that is in the history.
+/// One edit in the history.
 struct HistoryEntry {
-  std::string name;              ///< what was done: "New", "Push", "Refine"
-  std::int64_t unix_time_s = 0;  ///< when
-  bool is_current = false;       ///< the clay is as this edit left it; those after it can be redone
+  std::string name;              ///< "New", "Push", "Refine"
+  std::int64_t unix_time_s = 0;  ///< time of the edit
+  bool is_current = false;       ///< state() is the result of this edit; later entries can be redone
 };
 
-/// An open document. What state() gives is what the file holds, always: an edit is one transaction, on the
-/// disk when the call returns, and a call that throws has changed neither. So there is nothing to save, a
-/// crash costs at most the edit under way, and undo reaches back across restarts, without limit. No other
-/// program can open the file meanwhile; nor may this one, past this class: closing a file that was opened by
-/// other means drops the process' locks on it (POSIX). One thread at a time.
+/// An open document. state() always equals the file's content: an edit is one transaction, which is on the disk
+/// when the call returns; a call that throws changes neither. There is no save command, a crash loses at most
+/// the edit in progress, and undo is unlimited, across restarts too. Other programs cannot open the file
+/// meanwhile. This program must not open it by other means: closing any descriptor of the file releases the
+/// process's locks on it (POSIX). Not thread-safe.
 ///
-/// \throw Error, from everything here, with the file's name first: it is no document, made by a newer
-/// Airclay, damaged, open elsewhere, or cannot be written; the disk is full.
+/// \throw Error, from every function, starting with the file's name, if the file is not a document, is from a
+/// newer Airclay, is damaged, open elsewhere or not writable, or if the disk is full.
 class Document {
  public:
-  /// Makes the file; `name` is the first entry's. \throw Error too when there is anything of this name
-  /// already, or as checkClayState().
+  /// Creates the file with one history entry, `name`. \throw Error also if the file exists, and like
+  /// checkClayState().
   static Document create(const std::filesystem::path& file, const ClayState& state,
                          const std::string& name = "New");
-  /// Opens it where it was left. Everything read is checked, as somebody may have edited it by hand.
+  /// Opens a document at its current entry. Checks everything it reads, because the file may have been edited by
+  /// hand.
   static Document open(const std::filesystem::path& file);
 
   const std::filesystem::path& file() const { return file_; }
   const ClayState& state() const { return state_; }
 
-  /// Makes `state` the current one; what could be redone is dropped. A state that is bit for bit the current
-  /// one makes no entry. \throw Error too as checkClayState(), or when `name` is empty or longer than
-  /// kMaxNameBytes.
+  /// Appends `state` to the history and discards the entries that could be redone. Does nothing if `state` equals
+  /// the current state bit for bit. \throw Error also if `name` is empty or longer than kMaxNameBytes, and like
+  /// checkClayState().
   void commit(const std::string& name, ClayState state);
-  /// `count` entries back or forth, in one transaction. \throw Error too when there are fewer.
+  /// Moves `count` entries back or forward, in one transaction. \throw Error also if there are fewer.
   void undo(int count = 1);
   void redo(int count = 1);
-  /// The name of the entry that undo() takes back, or redo() brings back; none where there is none.
+  /// The name of the entry that undo() or redo() would affect; empty if there is none.
   std::optional<std::string> canUndo() const;
   std::optional<std::string> canRedo() const;
   int undoCount() const { return static_cast<int>(current_); }
@@ -52,12 +53,12 @@ class Document {
   /// Oldest first; never empty.
   std::vector<HistoryEntry> history() const;
 
-  /// Copies the document with its history to `file`, whole or not at all, in the place of what is there.
-  /// This document stays in its own file: to go on in the copy, open it. Works too when the own file was
-  /// deleted meanwhile. \throw Error too when `file` is this document's own file or is open elsewhere.
+  /// Copies the document with its history to `file`, atomically, and replaces an existing file. This document
+  /// keeps its own file; to continue in the copy, open it. Also works if the own file was deleted. \throw Error
+  /// also if `file` is this document's own file or is open elsewhere.
   void saveAs(const std::filesystem::path& file) const;
 
-  static constexpr int kFormat = 1;  ///< the file's user_version: a larger one is refused
+  static constexpr int kFormat = 1;  ///< the file's user_version; larger versions are rejected
   static constexpr std::size_t kMaxNameBytes = 200;
 
  private:
@@ -79,7 +80,7 @@ class Document {
   void dropEntriesAfter(std::int64_t entry);
   void loadHistory();
   Loaded load(const Entry& entry) const;
-  Eigen::Quaterniond loadTurn(const Entry& entry) const;
+  Eigen::Quaterniond loadRotation(const Entry& entry) const;
   std::vector<std::vector<int>> loadFaces(std::int64_t connectivity, std::size_t& point_count) const;
   void goTo(std::size_t entry);
   std::string where(const Entry& entry) const;
@@ -89,7 +90,7 @@ class Document {
   std::vector<Entry> entries_;
   std::size_t current_ = 0;  ///< of entries_
   ClayState state_;
-  std::int64_t connectivity_ = 0;  ///< the row that holds state_.cage.faces; 0: none yet
+  std::int64_t connectivity_ = 0;  ///< the row that contains state_.cage.faces; 0: none yet
 };
 
 }  // namespace airclay

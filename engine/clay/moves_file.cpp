@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Reads the moves of `deform`: CSV with the header index,x,y,z, a line a data point.
+// Reads the moves of `deform`: CSV with the header index,x,y,z and one line per data point.
 #include <charconv>
 #include <vector>
 
@@ -10,7 +10,7 @@
 namespace airclay {
 namespace {
 
-constexpr size_t kMaxMovesBytes = size_t(1) << 30;  // every one of kMaxDataPoints points with all its digits
+constexpr size_t kMaxMovesBytes = size_t(1) << 30;  // kMaxDataPoints points with all their digits
 
 std::string_view trimmed(std::string_view text) {
   const size_t begin = std::min(text.find_first_not_of(" \t\r"), text.size());
@@ -30,19 +30,20 @@ std::vector<std::string_view> fields(std::string_view line) {
 
 /// A line `index,x,y,z`; `where` is file:line.
 Move parseMove(std::string_view line, int data_point_count, const std::string& where) {
-  const std::vector<std::string_view> words = fields(line);
-  if (words.size() != 4) throw Error(where + ": '" + printable(line) + "' must be four values, index,x,y,z");
+  const std::vector<std::string_view> values = fields(line);
+  if (values.size() != 4) throw Error(where + ": '" + printable(line) + "' must be four values, index,x,y,z");
   const std::string range = "0 to " + std::to_string(data_point_count - 1);
   Move move;
-  const auto [end, fault] = std::from_chars(words[0].data(), words[0].data() + words[0].size(), move.index);
-  if (words[0].empty() || end != words[0].data() + words[0].size() || fault == std::errc::invalid_argument)
-    throw Error(where + ": index '" + printable(words[0]) + "' must be a whole number, " + range);
-  if (fault != std::errc() || move.index < 0 || move.index >= data_point_count)
-    throw Error(where + ": data point " + printable(words[0]) + " doesn't exist; there are " + range);
+  const std::string_view index = values[0];
+  const auto [end, error] = std::from_chars(index.data(), index.data() + index.size(), move.index);
+  if (index.empty() || end != index.data() + index.size() || error == std::errc::invalid_argument)
+    throw Error(where + ": index '" + printable(index) + "' must be a whole number, " + range);
+  if (error != std::errc() || move.index < 0 || move.index >= data_point_count)
+    throw Error(where + ": data point " + printable(index) + " does not exist; expected " + range);
   for (int axis = 0; axis < 3; ++axis) {
-    const std::string_view word = words[size_t(axis + 1)];
-    const std::optional<double> number = parseNumber(word);
-    if (!number) throw Error(where + ": coordinate '" + printable(word) + "' is no finite number");
+    const std::string_view value = values[size_t(axis + 1)];
+    const std::optional<double> number = parseNumber(value);
+    if (!number) throw Error(where + ": coordinate '" + printable(value) + "' is not a finite number");
     move.target[axis] = *number;
   }
   return move;
@@ -72,8 +73,8 @@ std::vector<Move> readMoves(const std::filesystem::path& file, int data_point_co
     moves.push_back(parseMove(line, data_point_count, where));
     long& first = line_of_point[size_t(moves.back().index)];
     if (first > 0)
-      throw Error(where + ": data point " + std::to_string(moves.back().index) + " was moved in line " +
-                  std::to_string(first) + " already; each may move once");
+      throw Error(where + ": data point " + std::to_string(moves.back().index) + " is already moved in line " +
+                  std::to_string(first) + "; expected each point once");
     first = line_number;
   }
   if (!has_header) throw Error(file.string() + ": is empty; it must begin with the header index,x,y,z");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The presets' control cages: quads, anticlockwise from outside, about 0.2 m large.
+// The presets' control cages: quads, counterclockwise seen from outside, about 0.2 m in size.
 #include "engine/clay/presets.h"
 
 #include <cmath>
@@ -12,12 +12,13 @@
 namespace airclay {
 namespace {
 
-/// Radius and height of a ring of a lathe, metres.
+/// One ring of a surface of revolution.
 struct Ring {
   double radius_m, height_m;
 };
 
-/// Rings of `around` points about z, joined by quads in their order; upwards on the outside.
+/// A surface of revolution about z: consecutive rings of `around` points, connected by quads. Rings that ascend
+/// form the outside.
 PolygonMesh lathe(const std::vector<Ring>& rings, int around) {
   PolygonMesh mesh;
   for (const Ring& ring : rings)
@@ -34,8 +35,8 @@ PolygonMesh lathe(const std::vector<Ring>& rings, int around) {
   return mesh;
 }
 
-/// Closes a ring that starts at point `first` by quads that fan about a new point in its middle. `around` is
-/// even.
+/// Closes the ring that starts at point `first` with a fan of quads around a new centre point. \pre `around` is
+/// even
 void closeRing(PolygonMesh& mesh, int first, int around, bool ring_runs_outwards) {
   Vec3 middle = Vec3::Zero();
   for (int i = 0; i < around; ++i) middle += mesh.points[size_t(first + i)] / around;
@@ -97,10 +98,10 @@ PolygonMesh cube() {
 }
 
 PolygonMesh ball() {
-  constexpr double radius_m = 0.108;  // the surface lies 7 % further in: a ball 0.2 m across
+  constexpr double radius_m = 0.108;  // the surface is 7 % smaller: a ball 0.2 m in diameter
   PolygonMesh mesh = boxGrid({3, 3, 3});
   for (Vec3& point : mesh.points) {
-    // Equal angles, not equal lengths, along the cube's edges: quads of about one size on the sphere.
+    // Equal angles, not equal lengths, along the cube's edges give quads of similar size on the sphere.
     point = (point.array() * (std::numbers::pi / 4)).tan().matrix().normalized() * radius_m;
   }
   return mesh;
@@ -110,7 +111,7 @@ PolygonMesh slab() {
   return scaled(boxGrid({5, 5, 1}), {0.1, 0.1, 0.02});
 }
 
-/// A hollow vase with a wall of about 2 cm: up the outside, over the lip, down the inside.
+/// A hollow vase with walls about 2 cm thick: up the outside, over the lip, down the inside.
 PolygonMesh vase() {
   constexpr int around = 8;
   const std::vector<Ring> profile = {{0.045, -0.100}, {0.070, -0.070}, {0.082, -0.030}, {0.074, 0.015},
@@ -138,14 +139,14 @@ PolygonMesh presetCage(const std::string& name) {
   if (name == "vase") return vase();
   std::string list;
   for (const std::string& preset : presetNames()) list += (list.empty() ? "" : ", ") + preset;
-  throw Error("there is no clay preset '" + name + "'; the presets are " + list);
+  throw Error("there is no clay preset '" + name + "'; expected one of " + list);
 }
 
 PolygonMesh loadCage(const std::string& preset_or_file) {
   for (const std::string& preset : presetNames())
     if (preset == preset_or_file) return presetCage(preset);
   if (!std::filesystem::exists(preset_or_file) && preset_or_file.find_first_of("./") == std::string::npos)
-    return presetCage(preset_or_file);  // a mistyped preset: names those there are
+    return presetCage(preset_or_file);  // a mistyped preset: the error lists the presets
   return readObj(preset_or_file);
 }
 

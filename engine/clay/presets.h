@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The clay one starts from.
+// Initial clay shapes.
 #pragma once
 
 #include <string>
@@ -8,15 +8,15 @@
 
 namespace airclay {
 
-/// Names of the presets, the default first: tube, cube, ball, slab, vase.
+/// The preset names, default first: tube, cube, ball, slab, vase.
 const std::vector<std::string>& presetNames();
 
-/// A preset's control cage, centred in the workspace and about 0.2 m large. `tube` is the paper's clay: an
-/// open tube of 7 x 4 control points, 28 -> 98 -> 364 data points. \throw Error naming the presets when there
-/// is none of this name.
+/// A preset's control cage, metres, about 0.2 m in size and centred at the origin. `tube` is the paper's clay: an
+/// open tube of 7 x 4 control points, 28 -> 98 -> 364 data points. \throw Error listing the presets if the name
+/// is unknown.
 PolygonMesh presetCage(const std::string& name);
 
-/// A preset's name or an OBJ file's path, the preset first.
+/// Loads a preset or an OBJ file; a preset's name takes precedence. \throw Error like presetCage() and readObj().
 PolygonMesh loadCage(const std::string& preset_or_file);
 
 }  // namespace airclay

@@ -16,8 +16,8 @@ std::unique_ptr<ClaySolver> createAllSolver(Gpu& gpu, const StencilMatrix& matri
 const SolveMethod kSolveAll = {
     .id = "all",
     .name = "All points",
-    .description = "all data points; those that the hand did not move hold their place",
-    .holds_unmoved = true,
+    .description = "all data points; those that the hand did not move keep their positions",
+    .fits_unmoved = true,
     .max_control_points = AllRowsSolver::kMaxControlPoints,
     .create = createAllSolver,
 };

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Eq. (6)-(8): from moved data points back to control points, by least squares.
+// Eq. (6)-(8): from moved data points to control points, by least squares.
 //
-// Both forms solve displacements, p_new = p + A⁺ (d_new - d). The paper's eq. (7), Aᵀ(AAᵀ)⁻¹, exists only for
-// fewer, independent rows than control points (Hsu et al. 1992, for the touched points alone); over all data
-// points the pseudoinverse is (AᵀA)⁻¹Aᵀ.
+// Both methods solve for displacements, p_new = p + A⁺ (d_new - d). The paper's eq. (7), Aᵀ(AAᵀ)⁻¹, exists only
+// for independent rows that are fewer than the control points (Hsu et al. 1992, for touched points only); over
+// all data points the pseudoinverse is (AᵀA)⁻¹Aᵀ.
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -15,51 +15,51 @@
 
 namespace airclay {
 
-/// A data point and its target.
+/// A data point and its target position.
 struct Move {
   int index = 0;               ///< row of A
   Vec3 target = Vec3::Zero();  ///< metres, world
 };
 
-/// Exact Moore-Penrose: singular values below this share of the largest are cut.
+/// Exact Moore-Penrose: singular values below this fraction of the largest are truncated.
 inline constexpr double kSingularCutoff = 1e-7;
 
-/// λ of the live `touched` solve, Aₛᵀ(AₛAₛᵀ + λ²I)⁻¹: ten neighbouring points with 1 mm of noise would
-/// otherwise throw the cage by a metre.
+/// λ of the live `touched` solve, Aₛᵀ(AₛAₛᵀ + λ²I)⁻¹. Without it, ten adjacent points with 1 mm of noise move
+/// the cage by a metre.
 inline constexpr double kTouchedDamping = 0.1;
 
-/// New control points, exact Moore-Penrose over the chosen rows (damping = 0) or damped least squares
-/// (damping > 0, kSolveTouched). Every moved row counts once: \pre indices are in range and different.
+/// The new control points, metres, world: exact Moore-Penrose over the method's rows (damping = 0) or damped
+/// least squares (damping > 0, kSolveTouched only). \throw Error if an index is out of range or occurs twice, or
+/// an ill-conditioned problem has more than AllRowsSolver::kMaxControlPoints control points.
 std::vector<Vec3> solveControlPoints(const StencilMatrix& matrix, const std::vector<Vec3>& control_points,
                                      const std::vector<Move>& moves, const SolveMethod* method,
                                      double damping = 0);
 
-/// The repeated `all` solve of one subdivision: factored once, kept as long as the matrix holds.
+/// The `all` solve of one subdivision, factored once for repeated use:
 /// displacement of control points = gram_inverse() * (Aᵀ * displacement of data points).
 class AllRowsSolver {
  public:
-  /// Rank-revealing, with kSingularCutoff. Dense in the control points: \throw Error past kMaxControlPoints.
+  /// Rank-revealing, with kSingularCutoff. Dense in the control points. \throw Error above kMaxControlPoints.
   explicit AllRowsSolver(const StencilMatrix& matrix);
   /// (AᵀA)⁺, n x n, symmetric.
   const Eigen::MatrixXd& gramInverse() const { return gram_inverse_; }
   std::vector<Vec3> controlDisplacements(const StencilMatrix& matrix,
                                          const std::vector<Vec3>& data_displacements) const;
 
-  static constexpr int kMaxControlPoints = 4096;  ///< 128 MB of gram inverse
+  static constexpr int kMaxControlPoints = 4096;  ///< a Gram inverse of 128 MB
 
  private:
   Eigen::MatrixXd gram_inverse_;
 };
 
-/// A `touched` solve of the same rows again and again, damped: factored once, kept as long as the rows are
-/// the same.
+/// The damped `touched` solve for fixed rows, factored once for repeated use.
 class TouchedRowsSolver {
  public:
-  /// \pre `rows` are ascending, in range and different; damping > 0. \throw Error when the smaller of rows
-  /// and control points is past AllRowsSolver::kMaxControlPoints.
+  /// \pre `rows` are ascending, in range and unique; damping > 0. \throw Error if the smaller of the numbers of
+  /// rows and of control points exceeds AllRowsSolver::kMaxControlPoints.
   TouchedRowsSolver(const StencilMatrix& matrix, const std::vector<int>& rows, double damping);
   const std::vector<int>& rows() const { return rows_; }
-  /// Of all control points, from the displacements of rows(), in their order.
+  /// The displacements of all control points, given those of rows() in the same order; metres.
   std::vector<Vec3> controlDisplacements(const std::vector<Vec3>& row_displacements) const;
 
  private:
@@ -73,7 +73,7 @@ class TouchedRowsSolver {
 /// The `all` solve on the GPU, in double precision.
 class ControlPointSolver final : public ClaySolver {
  public:
-  /// \throw Error as AllRowsSolver.
+  /// \throw Error like AllRowsSolver.
   ControlPointSolver(Gpu& gpu, const StencilMatrix& matrix);
 
   /// recordIndirect() with the full number of workgroups.
@@ -99,8 +99,8 @@ class ControlPointSolver final : public ClaySolver {
   Buffer<double> gram_inverse_, projected_;
 };
 
-/// Reads `index,x,y,z` lines. \throw Error naming file, line and the range of indices: an index that does not
-/// exist, one given twice, a value that is no finite number.
+/// Reads `index,x,y,z` lines, metres, world. \throw Error naming file and line if an index is out of range or
+/// occurs twice, or a value is not a finite number.
 std::vector<Move> readMoves(const std::filesystem::path& file, int data_point_count);
 
 }  // namespace airclay

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Eq. (6)-(8) on the CPU in double precision: the reference of the kernel `solve`, and what `deform` runs.
+// Eq. (6)-(8) on the CPU in double precision: the reference of the kernel `solve`, and the solver of `deform`.
 //
-// Where A is well conditioned its pseudoinverse is (AᵀA)⁻¹Aᵀ, by Cholesky. Squaring halves the digits, so
-// where it is not, A is reduced by Householder reflections, and the small triangle by its singular values.
+// If A is well conditioned, its pseudoinverse is (AᵀA)⁻¹Aᵀ, by Cholesky. Squaring A halves the accurate digits,
+// so an ill-conditioned A is instead reduced by Householder reflections, and the small triangle is solved by its
+// singular values.
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
 #include <Eigen/SVD>
@@ -19,26 +20,26 @@ namespace airclay {
 namespace {
 
 using Eigen::MatrixXd;
-using Displacements = Eigen::Matrix<double, Eigen::Dynamic, 3>;  ///< one a row, metres
+using Displacements = Eigen::Matrix<double, Eigen::Dynamic, 3>;  ///< one per row, metres
 
-// Of AᵀA: its singular values are squares, so those of A lie within 1e-4 of the largest, far from
-// kSingularCutoff: nothing is to be cut, and Cholesky is good to 1e-8 before, and 1e-12 after, a step of
-// refinement.
+// The smallest pivot ratio of AᵀA. Its singular values are the squares of A's, so those of A are all above 1e-4
+// of the largest, far from kSingularCutoff: none is truncated, and Cholesky is accurate to 1e-8 before and 1e-12
+// after one refinement step.
 constexpr double kWellConditioned = 1e-8;
 
-// A larger step of refinement says that the pivots were no fair measure of the condition.
+// A larger refinement step means that the pivots underestimate the condition number.
 constexpr double kSmallCorrection = 1e-6;
 
-// A dense row block of this many rows at a time bounds the memory of a long, thin factorization.
+// Factoring this many rows at a time limits the memory for a tall, narrow matrix.
 constexpr int kBlockRows = 2048;
 
-/// The least-squares problem min |A x - b| over fewer rows: A's triangle and b turned alike.
+/// The least-squares problem min |A x - b| reduced to fewer rows: R and Qᵀb of A = Q R.
 struct ReducedRows {
   MatrixXd triangle;    ///< min(m, n) x n
-  MatrixXd right_side;  ///< as many rows, empty without b
+  MatrixXd right_side;  ///< the same number of rows; no columns without b
 };
 
-/// Householder reflections, row block by row block.
+/// Householder QR, one row block at a time.
 ReducedRows reduceRows(const StencilMatrix& matrix, const MatrixXd& right_side) {
   const Eigen::Index n = matrix.cols(), k = right_side.cols();
   MatrixXd reduced(0, n + k);  // [R, Qᵀb] of the rows so far
@@ -48,12 +49,12 @@ ReducedRows reduceRows(const StencilMatrix& matrix, const MatrixXd& right_side) 
     stacked.topRows(reduced.rows()) = reduced;
     stacked.bottomRows(count).leftCols(n) = MatrixXd(matrix.middleRows(first, count));
     stacked.bottomRows(count).rightCols(k) = right_side.middleRows(first, count);
-    const Eigen::Index kept = std::min(stacked.rows(), n);
+    const Eigen::Index rank = std::min(stacked.rows(), n);
     MatrixXd left = stacked.leftCols(n);
     const Eigen::HouseholderQR<Eigen::Ref<MatrixXd>> qr(left);
-    reduced.resize(kept, n + k);
-    reduced.leftCols(n) = qr.matrixQR().topRows(kept).triangularView<Eigen::Upper>();
-    reduced.rightCols(k) = (qr.householderQ().adjoint() * stacked.rightCols(k)).topRows(kept);
+    reduced.resize(rank, n + k);
+    reduced.leftCols(n) = qr.matrixQR().topRows(rank).triangularView<Eigen::Upper>();
+    reduced.rightCols(k) = (qr.householderQ().adjoint() * stacked.rightCols(k)).topRows(rank);
   }
   return {reduced.leftCols(n), reduced.rightCols(k)};
 }
@@ -62,7 +63,7 @@ Eigen::BDCSVD<MatrixXd> singularValues(const MatrixXd& matrix) {
   Eigen::BDCSVD<MatrixXd> svd(matrix, Eigen::ComputeThinU | Eigen::ComputeThinV);
   if (svd.info() != Eigen::Success)
     throw Error("the solve's singular values did not converge; is a control point NaN?");
-  svd.setThreshold(kSingularCutoff);  // of the largest, also where rank() is asked
+  svd.setThreshold(kSingularCutoff);  // relative to the largest; applies to rank() too
   return svd;
 }
 
@@ -79,8 +80,8 @@ Displacements moveDisplacements(const StencilMatrix& matrix, const std::vector<V
   return displacements;
 }
 
-/// A⁺ b as (AᵀA)⁻¹Aᵀ b or, of fewer rows than columns, eq. (7) as printed, Aᵀ(AAᵀ)⁻¹ b; none where either
-/// would lose digits.
+/// A⁺ b as (AᵀA)⁻¹Aᵀ b, or with fewer rows than columns as eq. (7), Aᵀ(AAᵀ)⁻¹ b; empty if A is too
+/// ill-conditioned for either.
 std::optional<Displacements> solveNormalEquations(const StencilMatrix& matrix,
                                                   const Displacements& right_side) {
   const StencilMatrix transposed = matrix.transpose();
@@ -95,19 +96,17 @@ std::optional<Displacements> solveNormalEquations(const StencilMatrix& matrix,
     return factor.solve(Displacements(transposed * b));
   };
   const Displacements solution = solve(right_side);
-  const Displacements correction = solve(right_side - matrix * solution);  // through A itself, not its square
+  const Displacements correction = solve(right_side - matrix * solution);  // residual with A itself, not its square
   if (!(correction.norm() <= kSmallCorrection * solution.norm())) return std::nullopt;
   return Displacements(solution + correction);
 }
 
-/// A⁺ b, exact Moore-Penrose: the smallest x among those that fit best, singular values cut at
-/// kSingularCutoff.
+/// A⁺ b, exact Moore-Penrose: the smallest of all best-fitting x, singular values truncated at kSingularCutoff.
 Displacements pseudoinverseTimes(const StencilMatrix& matrix, const Displacements& right_side) {
   if (const auto solution = solveNormalEquations(matrix, right_side)) return *solution;
   if (matrix.cols() > AllRowsSolver::kMaxControlPoints)
-    throw Error("the moves' solve is ill-conditioned over " + std::to_string(matrix.cols()) +
-                " control points; such a one takes up to " +
-                std::to_string(AllRowsSolver::kMaxControlPoints));
+    throw Error("the solve for these moves is ill-conditioned over " + std::to_string(matrix.cols()) +
+                " control points; expected at most " + std::to_string(AllRowsSolver::kMaxControlPoints));
   const ReducedRows reduced = reduceRows(matrix, right_side);
   return singularValues(reduced.triangle).solve(reduced.right_side);
 }
@@ -117,9 +116,9 @@ void checkMoves(const StencilMatrix& matrix, const std::vector<Move>& moves) {
   for (const Move& move : moves) indices.push_back(move.index);
   std::sort(indices.begin(), indices.end());
   if (!indices.empty() && (indices.front() < 0 || indices.back() >= matrix.rows()))
-    throw Error("a move's data point is out of range; there are 0 to " + std::to_string(matrix.rows() - 1));
+    throw Error("a move's data point is out of range; expected 0 to " + std::to_string(matrix.rows() - 1));
   if (const auto twice = std::adjacent_find(indices.begin(), indices.end()); twice != indices.end())
-    throw Error("data point " + std::to_string(*twice) + " is moved twice; each may move once");
+    throw Error("data point " + std::to_string(*twice) + " is moved twice; expected each point once");
 }
 
 }  // namespace
@@ -130,12 +129,12 @@ std::vector<Vec3> solveControlPoints(const StencilMatrix& matrix, const std::vec
   checkMoves(matrix, moves);
   std::vector<Vec3> solved = control_points;
   if (moves.empty()) return solved;
-  const Displacements wanted = moveDisplacements(matrix, control_points, moves);
-  if (method->holds_unmoved) {
-    if (damping > 0) throw Error("the solve over all rows takes no damping; solve the touched rows");
-    Displacements all_wanted = Displacements::Zero(matrix.rows(), 3);  // those not moved are to stay
-    for (size_t i = 0; i < moves.size(); ++i) all_wanted.row(moves[i].index) = wanted.row(Eigen::Index(i));
-    const Displacements moved = pseudoinverseTimes(matrix, all_wanted);
+  const Displacements targets = moveDisplacements(matrix, control_points, moves);
+  if (method->fits_unmoved) {
+    if (damping > 0) throw Error("the solve over all rows does not support damping; use the solve 'touched'");
+    Displacements all_targets = Displacements::Zero(matrix.rows(), 3);  // 0: points that are not moved
+    for (size_t i = 0; i < moves.size(); ++i) all_targets.row(moves[i].index) = targets.row(Eigen::Index(i));
+    const Displacements moved = pseudoinverseTimes(matrix, all_targets);
     for (size_t i = 0; i < solved.size(); ++i) solved[i] += moved.row(Eigen::Index(i)).transpose();
     return solved;
   }
@@ -143,14 +142,14 @@ std::vector<Vec3> solveControlPoints(const StencilMatrix& matrix, const std::vec
   for (const Move& move : moves) moved_rows.push_back(move.index);
   if (damping > 0) {
     std::vector<Vec3> displacements;
-    for (Eigen::Index i = 0; i < wanted.rows(); ++i) displacements.push_back(wanted.row(i).transpose());
+    for (Eigen::Index i = 0; i < targets.rows(); ++i) displacements.push_back(targets.row(i).transpose());
     const TouchedRowsSolver solver(matrix, moved_rows, damping);
     const std::vector<Vec3> moved = solver.controlDisplacements(displacements);
     for (size_t i = 0; i < solved.size(); ++i) solved[i] += moved[i];
     return solved;
   }
   const TouchedRows touched = touchedRows(matrix, moved_rows);
-  const Displacements moved = pseudoinverseTimes(touched.matrix, wanted);
+  const Displacements moved = pseudoinverseTimes(touched.matrix, targets);
   for (size_t i = 0; i < touched.columns.size(); ++i)
     solved[size_t(touched.columns[i])] += moved.row(Eigen::Index(i)).transpose();
   return solved;
@@ -159,13 +158,13 @@ std::vector<Vec3> solveControlPoints(const StencilMatrix& matrix, const std::vec
 AllRowsSolver::AllRowsSolver(const StencilMatrix& matrix) {
   if (matrix.cols() > kMaxControlPoints)
     throw Error("a cage of " + std::to_string(matrix.cols()) +
-                " control points is too large to sculpt; it can have up to " +
+                " control points is too large to sculpt; expected at most " +
                 std::to_string(kMaxControlPoints));
   reportProgress(0.0);
   const StencilMatrix transposed = matrix.transpose();
   const Eigen::LLT<MatrixXd> factor{MatrixXd(StencilMatrix(transposed * matrix))};
   if (factor.info() == Eigen::Success && factor.rcond() > kWellConditioned) {
-    reportProgress(0.3);  // two thirds of n^3 are the inverse
+    reportProgress(0.3);  // the inverse takes two thirds of the n³ operations
     gram_inverse_ = factor.solve(MatrixXd::Identity(matrix.cols(), matrix.cols()));
   } else {
     // (AᵀA)⁺ = V Σ⁺² Vᵀ, from the singular values of A itself.
@@ -174,7 +173,7 @@ AllRowsSolver::AllRowsSolver(const StencilMatrix& matrix) {
                             svd.singularValues().head(svd.rank()).cwiseInverse().asDiagonal();
     gram_inverse_ = scaled * scaled.transpose();
   }
-  gram_inverse_ = (0.5 * (gram_inverse_ + gram_inverse_.transpose())).eval();  // to the last bit
+  gram_inverse_ = (0.5 * (gram_inverse_ + gram_inverse_.transpose())).eval();  // exactly symmetric
 }
 
 std::vector<Vec3> AllRowsSolver::controlDisplacements(const StencilMatrix& matrix,

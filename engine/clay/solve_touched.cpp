@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The damped solve over the touched rows alone, on the host.
+// The damped solve over the touched rows only, on the host.
 #include <algorithm>
 #include <optional>
 
@@ -26,7 +26,7 @@ class TouchedSolver final : public ClaySolver {
 
  private:
   const StencilMatrix& matrix_;
-  std::optional<TouchedRowsSolver> solver_;  ///< of the last rows
+  std::optional<TouchedRowsSolver> solver_;  ///< for the rows of the last call
 };
 
 std::unique_ptr<ClaySolver> createTouchedSolver(Gpu&, const StencilMatrix& matrix) {
@@ -39,7 +39,7 @@ const SolveMethod kSolveTouched = {
     .id = "touched",
     .name = "Touched points",
     .description = "only the data points that the hand moved; the rest follows freely",
-    .holds_unmoved = false,
+    .fits_unmoved = false,
     .max_control_points = 5'000'000,
     .create = createTouchedSolver,
 };
@@ -73,7 +73,7 @@ TouchedRowsSolver::TouchedRowsSolver(const StencilMatrix& matrix, const std::vec
   if (const Eigen::Index size = std::min(touched_.rows(), touched_.cols());
       size > AllRowsSolver::kMaxControlPoints)
     throw Error("the damped solve over " + std::to_string(size) +
-                " control points is too large; it takes up to " +
+                " control points is too large; expected at most " +
                 std::to_string(AllRowsSolver::kMaxControlPoints));
   // (AᵀA + λ²I)⁻¹Aᵀ b = Aᵀ(AAᵀ + λ²I)⁻¹ b: whichever matrix is smaller
   const StencilMatrix transposed = touched_.transpose();
@@ -84,11 +84,11 @@ TouchedRowsSolver::TouchedRowsSolver(const StencilMatrix& matrix, const std::vec
 }
 
 std::vector<Vec3> TouchedRowsSolver::controlDisplacements(const std::vector<Vec3>& row_displacements) const {
-  Displacements wanted(touched_.rows(), 3);
+  Displacements targets(touched_.rows(), 3);
   for (size_t i = 0; i < row_displacements.size(); ++i)
-    wanted.row(Eigen::Index(i)) = row_displacements[i].transpose();
-  const MatrixXd moved = more_rows_ ? MatrixXd(factor_.solve(MatrixXd(touched_.transpose() * wanted)))
-                                    : MatrixXd(touched_.transpose() * MatrixXd(factor_.solve(wanted)));
+    targets.row(Eigen::Index(i)) = row_displacements[i].transpose();
+  const MatrixXd moved = more_rows_ ? MatrixXd(factor_.solve(MatrixXd(touched_.transpose() * targets)))
+                                    : MatrixXd(touched_.transpose() * MatrixXd(factor_.solve(targets)));
   std::vector<Vec3> displacements(size_t(control_point_count_), Vec3::Zero());
   for (size_t i = 0; i < columns_.size(); ++i)
     displacements[size_t(columns_[i])] = moved.row(Eigen::Index(i)).transpose();

@@ -1,41 +1,41 @@
 // SPDX-License-Identifier: MIT
-// When a stroke begins and ends, so that it becomes one named entry of the history.
+// Detects where strokes start and end, so that each becomes one named entry of the history.
 #pragma once
 
 #include <string>
 
 namespace airclay {
 
-/// What a frame did to the clay.
+/// A frame's effect on the clay.
 struct StrokeFrame {
-  double time_s = 0;    ///< the frame's own time: a replay makes the same strokes
-  int touched = 0;      ///< data points that the hand has reached
-  bool held = true;     ///< the clutch
-  bool tracked = true;  ///< the hand is known in this frame
+  double time_s = 0;    ///< the frame's timestamp, so that a replay yields the same strokes
+  int touched = 0;      ///< number of data points that the hand touches
+  bool held = true;     ///< the clutch is closed
+  bool tracked = true;  ///< the hand is tracked in this frame
 };
 
 enum class StrokeEvent {
   kNone,
-  kBegan,  ///< in this frame: the clay of before it is what undo goes back to
-  kEnded,  ///< with the frame before this one or in this one: the clay as it stands is the entry
+  kStarted,  ///< in this frame; undo restores the clay from before it
+  kEnded,    ///< with this frame or the previous one; the current clay becomes the entry
 };
 
-/// Watches frames. A stroke begins when the hand touches the clay, held and tracked. It ends when nothing was
-/// touched for kStrokeGapSeconds, the clutch opens, tracking is lost, or time runs backwards (a take begins
-/// again).
-class StrokeWatch {
+/// A stroke starts when the hand touches the clay with the clutch closed and the hand tracked. It ends when
+/// nothing is touched for kStrokeGapSeconds, the clutch opens, tracking is lost, or time runs backwards (a take
+/// restarts).
+class StrokeDetector {
  public:
-  /// 0.4 s: longer than the lift between two dabs, shorter than a look at the result.
+  /// 0.4 s: longer than the gap between two dabs, shorter than a pause to look at the result.
   static constexpr double kStrokeGapSeconds = 0.4;
 
-  /// The next frame. `tool` names the stroke that it may begin ("Push"); a stroke that is under way keeps its
-  /// name, and ends when another tool is given.
-  StrokeEvent see(const StrokeFrame& frame, const std::string& tool);
-  /// Ends the stroke that is under way, if any: before undo, saving, another document, at the end of a take.
+  /// Processes the next frame. `tool` names a stroke that it starts ("Push"); an active stroke keeps its name, and
+  /// ends when the tool changes.
+  StrokeEvent addFrame(const StrokeFrame& frame, const std::string& tool);
+  /// Ends the active stroke, if any: before undo, saving or another document, and at the end of a take.
   StrokeEvent finish();
 
   bool active() const { return active_; }
-  /// Of the stroke that is under way or else ended last.
+  /// The name of the active stroke, or of the last one.
   const std::string& name() const { return name_; }
 
  private:

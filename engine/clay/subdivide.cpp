@@ -8,12 +8,12 @@
 namespace airclay {
 namespace {
 
-/// The lists of a table by rows: list i's entries stand from starts[i] up to starts[i + 1].
+/// Lists of varying length: list i has the entries from starts[i] to starts[i + 1], exclusive.
 struct Lists {
   std::vector<std::uint32_t> starts, entries;
 };
 
-/// Of each data point, the quads that adjoin it.
+/// For each data point, its adjoining quads.
 Lists adjoiningQuads(const std::vector<std::array<int, 4>>& quads, std::size_t data_point_count) {
   Lists lists{std::vector<std::uint32_t>(data_point_count + 1), std::vector<std::uint32_t>(4 * quads.size())};
   for (const std::array<int, 4>& quad : quads)

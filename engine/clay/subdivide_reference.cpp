@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The CPU twins of the kernels `subdivide` and `normals`: eq. (5) and the polyhedron's normals, serial, in
-// double.
+// The reference implementations of the kernels `subdivide` and `normals`: eq. (5) and the vertex normals, serial,
+// in double precision.
 #include "engine/clay/subdivide.h"
 
 namespace airclay {
@@ -17,7 +17,7 @@ std::vector<Vec3> dataNormals(const std::vector<std::array<int, 4>>& quads,
                               const std::vector<Vec3>& data_points) {
   std::vector<Vec3> normals(data_points.size(), Vec3::Zero());
   for (const std::array<int, 4>& quad : quads) {
-    // Twice the quad's vector area is the cross product of its diagonals, whether it is flat or not.
+    // The cross product of the diagonals is twice the quad's vector area, even if the quad is not planar.
     const Vec3 diagonal_02 = data_points[size_t(quad[2])] - data_points[size_t(quad[0])];
     const Vec3 diagonal_13 = data_points[size_t(quad[3])] - data_points[size_t(quad[1])];
     const Vec3 area = diagonal_02.cross(diagonal_13);

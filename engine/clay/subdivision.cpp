@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Builds eq. (5)'s matrix A on OpenSubdiv's refined topology: its own stencils for `catmull-clark`, and for
-// `printed` the product of one matrix a level, weighed as eq. (3) and (4) stand in the paper.
+// Builds the matrix A of eq. (5) on OpenSubdiv's refined topology: with OpenSubdiv's stencils for
+// `catmull-clark`, and for `printed` as a product of one matrix per level, with the weights of eq. (3) and (4) as
+// printed in the paper.
 #include <opensubdiv/far/stencilTableFactory.h>
 #include <opensubdiv/far/topologyDescriptor.h>
 #include <opensubdiv/far/topologyRefinerFactory.h>
@@ -21,13 +22,14 @@ namespace {
 namespace Far = OpenSubdiv::Far;
 namespace Sdc = OpenSubdiv::Sdc;
 
-// 4.8 GB of matrix; more comes from polygons of thousands of corners, whose points all depend on each other.
+// A matrix of 4.8 GB; more results only from polygons with thousands of corners, whose points all depend on each
+// other.
 constexpr long kMaxWeights = 400'000'000;
 
-constexpr int kMaxLevels = 15;  // OpenSubdiv keeps the level in four bits
+constexpr int kMaxLevels = 15;  // OpenSubdiv stores the level in four bits
 
-/// Data points after `levels` steps: V' = V + E + F, F' = corners, E' = 2E + corners. Ends past
-/// kMaxDataPoints.
+/// The number of data points after `levels` steps: V' = V + E + F, F' = corners, E' = 2E + corners. Stops
+/// counting above kMaxDataPoints.
 long countDataPoints(const PolygonMesh& cage, int levels) {
   long corners = 0;
   std::vector<std::pair<int, int>> sides;
@@ -48,8 +50,8 @@ long countDataPoints(const PolygonMesh& cage, int levels) {
   return points;
 }
 
-/// An upper bound of A's weights: a face of s corners becomes s 4^(levels - 1) quads, whose points depend on
-/// no more than the control points of the faces that touch it. Ends past kMaxWeights.
+/// An upper bound of the number of weights in A: a face of s corners becomes s 4^(levels - 1) quads, whose points
+/// depend only on the control points of the faces that touch it. Stops counting above kMaxWeights.
 double boundWeights(const PolygonMesh& cage, int levels) {
   std::vector<std::vector<int>> faces_of_point(cage.points.size());
   for (size_t f = 0; f < cage.faces.size(); ++f)
@@ -73,14 +75,14 @@ void checkSize(const PolygonMesh& cage, int levels) {
                 std::to_string(kMaxLevels));
   if (countDataPoints(cage, levels) > kMaxDataPoints)
     throw Error("subdivision level " + std::to_string(levels) + " of a cage of " +
-                std::to_string(cage.points.size()) + " points makes more than " +
+                std::to_string(cage.points.size()) + " points results in more than " +
                 std::to_string(kMaxDataPoints) + " data points; use a lower level");
   if (boundWeights(cage, levels) > double(kMaxWeights))
-    throw Error("subdivision level " + std::to_string(levels) + " of this cage makes more than " +
+    throw Error("subdivision level " + std::to_string(levels) + " of this cage results in more than " +
                 std::to_string(kMaxWeights) + " weights; use a lower level or split its largest polygons");
 }
 
-/// The cage's connectivity refined uniformly; at each level face points first, then edge points, then vertex
+/// Refines the cage's connectivity uniformly; at each level face points come first, then edge points, then vertex
 /// points.
 std::unique_ptr<Far::TopologyRefiner> refine(const PolygonMesh& cage, int levels) {
   std::vector<int> sizes, corners;
@@ -97,20 +99,20 @@ std::unique_ptr<Far::TopologyRefiner> refine(const PolygonMesh& cage, int levels
   Sdc::Options rules;
   rules.SetVtxBoundaryInterpolation(Sdc::Options::VTX_BOUNDARY_EDGE_ONLY);
   using Factory = Far::TopologyRefinerFactory<Far::TopologyDescriptor>;
-  // OpenSubdiv prints its complaints; ours is the exception below.
+  // OpenSubdiv prints errors by default; the exception below replaces them.
   Far::SetErrorCallback([](Far::ErrorType, const char*) {});
   Far::SetWarningCallback([](const char*) {});
   std::unique_ptr<Far::TopologyRefiner> refiner(
       Factory::Create(descriptor, Factory::Options(Sdc::SCHEME_CATMARK, rules)));
   if (!refiner)
-    throw Error("OpenSubdiv refuses the cage's connectivity; a manifold cage of polygons is right");
+    throw Error("OpenSubdiv rejects the cage's connectivity; expected a manifold polygon mesh");
   Far::TopologyRefiner::UniformOptions options(levels);
   options.orderVerticesFromFacesFirst = true;
   refiner->RefineUniform(options);
   return refiner;
 }
 
-/// OpenSubdiv's stencils of the last level, factored down to the control points.
+/// OpenSubdiv's stencils of the last level in terms of the control points.
 StencilMatrix catmullClarkMatrix(const Far::TopologyRefiner& refiner) {
   using Factory = Far::StencilTableFactoryReal<double>;
   Factory::Options options;
@@ -139,7 +141,7 @@ StencilMatrix catmullClarkMatrix(const Far::TopologyRefiner& refiner) {
   return matrix;
 }
 
-/// One step from the points of a level to those of the next, as a matrix under construction.
+/// Builds the matrix of one subdivision step, from a level's points to those of the next.
 class PrintedStep {
  public:
   explicit PrintedStep(const Far::TopologyLevel& level) : level_(level) {
@@ -151,7 +153,7 @@ class PrintedStep {
   StencilMatrix matrix() const {
     StencilMatrix step(level_.GetNumFaces() + level_.GetNumEdges() + level_.GetNumVertices(),
                        level_.GetNumVertices());
-    step.setFromTriplets(weights_.begin(), weights_.end());  // adds up repeated entries
+    step.setFromTriplets(weights_.begin(), weights_.end());  // sums duplicate entries
     return step;
   }
 
@@ -183,7 +185,7 @@ class PrintedStep {
     const int row = level_.GetVertexChildVertex(v);
     const Far::ConstIndexArray edges = level_.GetVertexEdges(v);
     if (level_.IsVertexBoundary(v)) {
-      // The standard border rule, 1/8, 3/4, 1/8: half the point, a quarter of each border edge's midpoint.
+      // The standard border rule, 1/8, 3/4, 1/8: half the point plus a quarter of each border edge's midpoint.
       add(row, v, 0.5);
       for (int k = 0; k < edges.size(); ++k)
         if (level_.IsEdgeBoundary(edges[k])) addMidpoint(row, edges[k], 0.25);
@@ -223,7 +225,7 @@ std::vector<std::array<int, 4>> lastQuads(const Far::TopologyRefiner& refiner) {
 Subdivision subdivide(const PolygonMesh& cage, int levels, SubdivisionRule rule) {
   checkCage(cage, "control cage");
   checkSize(cage, levels);
-  reportProgress(0.0);  // OpenSubdiv itself says nothing
+  reportProgress(0.0);  // OpenSubdiv reports no progress
   const std::unique_ptr<Far::TopologyRefiner> refiner = refine(cage, levels);
   return {rule == SubdivisionRule::kCatmullClark ? catmullClarkMatrix(*refiner) : printedMatrix(*refiner),
           lastQuads(*refiner)};

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The rows of A that a move touches.
+// The rows of A that a set of moves affects.
 #pragma once
 
 #include "engine/clay/subdivide.h"
 
 namespace airclay {
 
-/// The moved rows of A over the control points that they depend on; the others don't move.
+/// The moved rows of A, restricted to the control points that they depend on.
 struct TouchedRows {
   std::vector<int> columns;  ///< control points, ascending
   StencilMatrix matrix;      ///< rows by columns

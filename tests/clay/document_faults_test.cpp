@@ -27,16 +27,16 @@ void expectRefused(const fs::path& file, const std::string& expected) {
 TEST(DocumentFaults, RefusesWhatIsNoDocument) {
   const TemporaryFolder folder;
   expectRefused(folder / "none.clay", "there is no such file");
-  expectRefused(folder.path(), "is no file");
-  expectRefused(folder.write("empty.clay", ""), "cut short to 0 bytes");
-  expectRefused(folder.write("text.clay", std::string(5000, 'x')), "is no Airclay document");
-  expectRefused(folder.write("short.clay", "SQLite format 3"), "is no Airclay document");
+  expectRefused(folder.path(), "is not a file");
+  expectRefused(folder.write("empty.clay", ""), "truncated to 0 bytes");
+  expectRefused(folder.write("text.clay", std::string(5000, 'x')), "is not an Airclay document");
+  expectRefused(folder.write("short.clay", "SQLite format 3"), "is not an Airclay document");
   alter(folder / "other.clay", "CREATE TABLE song (name TEXT); INSERT INTO song VALUES ('la')");
   const std::string before = readWhole(folder / "other.clay", kMaxDocumentBytes);
   expectRefused(folder / "other.clay", "another program's database");
   EXPECT_EQ(readWhole(folder / "other.clay", kMaxDocumentBytes), before);
   ASSERT_EQ(mkfifo((folder / "pipe.clay").c_str(), 0600), 0);
-  expectRefused(folder / "pipe.clay", "is no file");
+  expectRefused(folder / "pipe.clay", "is not a file");
 }
 
 TEST(DocumentFaults, RefusesANewerFormatAndLeavesItAlone) {
@@ -54,7 +54,7 @@ TEST(DocumentFaults, RefusesWhatWasCutShort) {
   for (std::size_t size = 1; size < whole.size(); size += size < 1200 ? 97 : 1021) {
     SCOPED_TRACE(size);
     const fs::path file = folder.write("cut.clay", whole.substr(0, size));
-    expectRefused(file, "cut short");
+    expectRefused(file, "truncated");
     EXPECT_EQ(readWhole(file, kMaxDocumentBytes).size(), size);
   }
 }
@@ -91,14 +91,14 @@ TEST(DocumentFaults, AHandEditIsCheckedWhereverItIs) {
   const std::pair<const char*, const char*> edits[] = {
       {"UPDATE entry SET levels = 0", "level 0 must be 1 to 15"},
       {"UPDATE entry SET levels = 1 << 40", "must be 1 to 15"},
-      {"UPDATE entry SET rule = 'loop'", "unknown rule; catmull-clark or printed"},
-      {"UPDATE entry SET solve = 'none'", "unknown solve; all or touched"},
+      {"UPDATE entry SET rule = 'loop'", "unknown rule; expected catmull-clark or printed"},
+      {"UPDATE entry SET solve = 'none'", "unknown solve; expected all or touched"},
       {"UPDATE entry SET name = ''", "a name's length"},
-      {"UPDATE entry SET points = zeroblob(24)", "24 bytes of control points; 672 would be right"},
+      {"UPDATE entry SET points = zeroblob(24)", "24 bytes of control points; expected 672"},
       {"UPDATE entry SET points = zeroblob(120000000)", "120000000 bytes of control points"},
       {"UPDATE entry SET points = substr(points, 1, 671)", "671 bytes of control points"},
       {"UPDATE entry SET connectivity = 99", "connectivity 99 is missing"},
-      {"UPDATE connectivity SET point_count = 27", "648 would be right"},
+      {"UPDATE connectivity SET point_count = 27", "expected 648"},
       {"UPDATE connectivity SET point_count = 0", "a cage of 0 points"},
       {"UPDATE connectivity SET point_count = 1 << 50", "a cage of 1125899906842624 points"},
       {"UPDATE connectivity SET faces = x''", "needs points and faces"},
@@ -113,13 +113,13 @@ TEST(DocumentFaults, AHandEditIsCheckedWhereverItIs) {
       {"DROP TABLE entry", "no such table"},
       {"ALTER TABLE entry RENAME TO e; CREATE VIEW entry AS SELECT * FROM e", "entry"},
       {"ALTER TABLE entry RENAME TO e; CREATE TABLE entry AS SELECT * FROM e; UPDATE entry SET points = 5",
-       "column points is of another type"},
+       "column points has the wrong type"},
       {"UPDATE entry SET id = 9223372036854775807 WHERE id = 8", "an entry's number"},
       {"PRAGMA user_version = 0", "its format is 0"},
       {"ALTER TABLE entry ADD COLUMN turn BLOB; UPDATE entry SET turn = zeroblob(24)", "3 numbers"},
       {"ALTER TABLE entry ADD COLUMN turn BLOB; UPDATE entry SET turn = zeroblob(32)", "a unit quaternion"},
       {"ALTER TABLE entry RENAME TO e; CREATE TABLE entry AS SELECT *, 5 AS turn FROM e",
-       "column turn is of another type"},
+       "column turn has the wrong type"},
   };
   for (const auto& [sql, expected] : edits) {
     SCOPED_TRACE(sql);
@@ -278,7 +278,7 @@ TEST(DocumentFaults, AReadOnlyFileOrFolderIsSaidWhenItIsOpened) {
     fs::permissions(file.parent_path(), fs::perms(0755));
     fs::remove(file.parent_path() / "b.clay");
   };
-  refuses(0444, 0777, "may not be written; a copy of it that may be would be right");
+  refuses(0444, 0777, "is write-protected; use a copy");
   refuses(0666, 0555, "its folder cannot be written (Permission denied)");
   refuses(0000, 0777, "cannot be opened: Permission denied");
   fs::permissions(file, fs::perms(0644));
@@ -297,7 +297,7 @@ TEST(DocumentFaults, AFolderThatBecomesReadOnlyLosesNothing) {
   {
     const AsNobody nobody;
     expectOneLine(messageOf([&] { document.commit("Push", afterStroke(state, 1)); }), file,
-                  "cannot be written: its folder may not be");
+                  "cannot be written: its folder is write-protected");
     EXPECT_TRUE(sameClay(document.state(), state));
   }
   fs::permissions(file.parent_path(), fs::perms(0755));

@@ -349,7 +349,7 @@ TEST(Document, IsOpenOnceOnly) {
 TEST(Document, CreateRefusesWhatIsThere) {
   const TemporaryFolder folder;
   const fs::path text = folder.write("a.clay", "a letter");
-  expectOneLine(messageOf([&] { Document::create(text, tubeState()); }), text, "exists already");
+  expectOneLine(messageOf([&] { Document::create(text, tubeState()); }), text, "already exists");
   EXPECT_EQ(readWhole(text, kMaxDocumentBytes), "a letter");
   const fs::path nowhere = folder / "none" / "b.clay";
   expectOneLine(messageOf([&] { Document::create(nowhere, tubeState()); }), nowhere, "cannot be written");
@@ -370,7 +370,7 @@ TEST(Document, CreateLeavesNothingOfAStateThatIsNone) {
   refuses(state, "control point 4 is not finite");
   state = tubeState();
   state.workspace_from_clay.w() = 2;
-  refuses(state, "a unit quaternion would be right");
+  refuses(state, "expected a unit quaternion");
   state = tubeState();
   state.cage.faces[0][0] = 28;
   refuses(state, "face 1");
@@ -387,7 +387,7 @@ TEST(Document, CommitRefusesAStateThatIsNone) {
   expectOneLine(messageOf([&] { document.commit("Push", state); }), folder / "a.clay", "not finite");
   for (const std::string& name : {std::string(), std::string(201, 'a')})
     expectOneLine(messageOf([&] { document.commit(name, afterStroke(tubeState(), 1)); }), folder / "a.clay",
-                  "an edit's name");
+                  "the edit's name");
   EXPECT_TRUE(sameClay(document.state(), tubeState()));
   EXPECT_EQ(document.history().size(), 1u);
 }
@@ -414,7 +414,7 @@ TEST(Document, SaveAsCopiesTheHistoryAndReplacesAFile) {
   expectOneLine(messageOf([&] { document.saveAs(folder / "b.clay"); }), folder / "b.clay",
                 "is open in another");
   expectOneLine(messageOf([&] { document.saveAs(folder / "a.clay"); }), folder / "a.clay", "own file");
-  expectOneLine(messageOf([&] { document.saveAs(folder.path()); }), folder.path(), "it is no file");
+  expectOneLine(messageOf([&] { document.saveAs(folder.path()); }), folder.path(), "it is not a regular file");
   const fs::path nowhere = folder / "none" / "c.clay";
   expectOneLine(messageOf([&] { document.saveAs(nowhere); }), nowhere, "cannot be written");
   EXPECT_EQ(namesOf(copy), (Names{"New", "Push", "Push", "Push", "Push", "Push", "Push", ">Refine"}));

@@ -11,18 +11,18 @@ namespace {
 
 /// Frames a tenth of a second apart; what each one told.
 struct Watched {
-  StrokeWatch watch;
+  StrokeDetector watch;
   int frame = 0;
 
   StrokeEvent see(int touched, bool held = true, bool tracked = true, const char* tool = "Push") {
-    return watch.see({0.1 * frame++, touched, held, tracked}, tool);
+    return watch.addFrame({0.1 * frame++, touched, held, tracked}, tool);
   }
 };
 
 TEST(Strokes, ATouchBeginsOneAndAGapEndsIt) {
   Watched w;
   EXPECT_EQ(w.see(0), StrokeEvent::kNone);
-  EXPECT_EQ(w.see(3), StrokeEvent::kBegan);  // 0.1 s
+  EXPECT_EQ(w.see(3), StrokeEvent::kStarted);  // 0.1 s
   EXPECT_TRUE(w.watch.active());
   EXPECT_EQ(w.watch.name(), "Push");
   EXPECT_EQ(w.see(5), StrokeEvent::kNone);                                   // 0.2 s: the last touch
@@ -34,22 +34,22 @@ TEST(Strokes, ATouchBeginsOneAndAGapEndsIt) {
   EXPECT_FALSE(w.watch.active());
   EXPECT_EQ(w.watch.name(), "Push");
   EXPECT_EQ(w.see(0), StrokeEvent::kNone);
-  EXPECT_EQ(w.see(2), StrokeEvent::kBegan);
+  EXPECT_EQ(w.see(2), StrokeEvent::kStarted);
 }
 
 TEST(Strokes, TheGapIsFourTenthsOfASecond) {
   for (const double gap_s : {0.39, 0.41}) {
-    StrokeWatch watch;
-    EXPECT_EQ(watch.see({1, 1}, "Push"), StrokeEvent::kBegan);
-    EXPECT_EQ(watch.see({1 + gap_s, 0}, "Push"), gap_s < 0.4 ? StrokeEvent::kNone : StrokeEvent::kEnded);
+    StrokeDetector watch;
+    EXPECT_EQ(watch.addFrame({1, 1}, "Push"), StrokeEvent::kStarted);
+    EXPECT_EQ(watch.addFrame({1 + gap_s, 0}, "Push"), gap_s < 0.4 ? StrokeEvent::kNone : StrokeEvent::kEnded);
   }
 }
 
 TEST(Strokes, SlowFramesMakeNoGap) {
-  StrokeWatch watch;  // the paper's 3 Hz, and slower still
-  EXPECT_EQ(watch.see({0, 1}, "Push"), StrokeEvent::kBegan);
-  EXPECT_EQ(watch.see({0.33, 1}, "Push"), StrokeEvent::kNone);
-  EXPECT_EQ(watch.see({1.33, 1}, "Push"), StrokeEvent::kNone);
+  StrokeDetector watch;  // the paper's 3 Hz, and slower still
+  EXPECT_EQ(watch.addFrame({0, 1}, "Push"), StrokeEvent::kStarted);
+  EXPECT_EQ(watch.addFrame({0.33, 1}, "Push"), StrokeEvent::kNone);
+  EXPECT_EQ(watch.addFrame({1.33, 1}, "Push"), StrokeEvent::kNone);
 }
 
 TEST(Strokes, TheOpenClutchAndALostHandEndItAtOnce) {
@@ -57,12 +57,12 @@ TEST(Strokes, TheOpenClutchAndALostHandEndItAtOnce) {
   clutch.see(3);
   EXPECT_EQ(clutch.see(3, false), StrokeEvent::kEnded);
   EXPECT_EQ(clutch.see(3, false), StrokeEvent::kNone);  // what an open clutch touches is no stroke
-  EXPECT_EQ(clutch.see(3), StrokeEvent::kBegan);
+  EXPECT_EQ(clutch.see(3), StrokeEvent::kStarted);
   Watched lost;
   lost.see(3);
   EXPECT_EQ(lost.see(0, true, false), StrokeEvent::kEnded);
   EXPECT_EQ(lost.see(3, true, false), StrokeEvent::kNone);
-  EXPECT_EQ(lost.see(3), StrokeEvent::kBegan);
+  EXPECT_EQ(lost.see(3), StrokeEvent::kStarted);
 }
 
 TEST(Strokes, AnotherToolEndsItAndNamesTheNext) {
@@ -70,21 +70,21 @@ TEST(Strokes, AnotherToolEndsItAndNamesTheNext) {
   w.see(3);
   EXPECT_EQ(w.see(3, true, true, "Smooth"), StrokeEvent::kEnded);
   EXPECT_EQ(w.watch.name(), "Push");
-  EXPECT_EQ(w.see(3, true, true, "Smooth"), StrokeEvent::kBegan);
+  EXPECT_EQ(w.see(3, true, true, "Smooth"), StrokeEvent::kStarted);
   EXPECT_EQ(w.watch.name(), "Smooth");
 }
 
 TEST(Strokes, ATakeThatBeginsAgainEndsIt) {
-  StrokeWatch watch;
-  watch.see({5, 1}, "Push");
-  EXPECT_EQ(watch.see({0, 1}, "Push"), StrokeEvent::kEnded);
-  EXPECT_EQ(watch.see({0.1, 1}, "Push"), StrokeEvent::kBegan);
+  StrokeDetector watch;
+  watch.addFrame({5, 1}, "Push");
+  EXPECT_EQ(watch.addFrame({0, 1}, "Push"), StrokeEvent::kEnded);
+  EXPECT_EQ(watch.addFrame({0.1, 1}, "Push"), StrokeEvent::kStarted);
 }
 
 TEST(Strokes, FinishEndsWhatIsUnderWayOnce) {
-  StrokeWatch watch;
+  StrokeDetector watch;
   EXPECT_EQ(watch.finish(), StrokeEvent::kNone);
-  watch.see({0, 1}, "Pull");
+  watch.addFrame({0, 1}, "Pull");
   EXPECT_EQ(watch.finish(), StrokeEvent::kEnded);
   EXPECT_EQ(watch.finish(), StrokeEvent::kNone);
   EXPECT_EQ(watch.name(), "Pull");

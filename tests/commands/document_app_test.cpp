@@ -77,7 +77,7 @@ TEST(DocumentApp, NewSaysWhatIsWrongAndLeavesNothing) {
   expectRefused({"new", folder / "none" / "a.clay"}, 1, "cannot be written");
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
   outputOf({"new", file});
-  expectRefused({"new", file}, 1, file + ": exists already");
+  expectRefused({"new", file}, 1, file + ": already exists");
 }
 
 TEST(DocumentApp, HistoryListsTheEdits) {
@@ -149,7 +149,7 @@ TEST(DocumentApp, RefineIsAnEdit) {
             std::string::npos)
       << finer;
   outputOf({"refine", file});
-  expectRefused({"refine", file}, 1, file + ": refining makes");
+  expectRefused({"refine", file}, 1, file + ": refining turns");
   EXPECT_EQ(historyOf(file)["undo"], 3);
   outputOf({"undo", file, "--count", "3"});
   EXPECT_TRUE(sameClay(Document::open(file).state(), tubeState()));
@@ -207,7 +207,7 @@ TEST(DocumentApp, SaysWhatIsNoDocument) {
   const TemporaryFolder folder;
   const std::string letter = folder.write("letter.clay", std::string(2000, 'x'));
   for (const char* command : {"history", "undo", "redo", "refine", "set"}) {
-    expectRefused({command, letter}, 1, letter + ": is no Airclay document");
+    expectRefused({command, letter}, 1, letter + ": is not an Airclay document");
     expectRefused({command, folder / "none.clay"}, 1, "there is no such file");
   }
   const std::string file = folder / "a.clay";

@@ -201,7 +201,7 @@ TEST(Sculptor, ClayTurnsAboutTheWorkspacesCentre) {
       EXPECT_LT((now[i] - center - Vec3(-from_center.y(), from_center.x(), from_center.z())).norm(), 1e-12);
     }
   };
-  workshop.clay.turn(about_z);
+  workshop.clay.rotate(about_z);
   expectTurned(workshop.clay.cage().points, cage.points);
   expectTurned(workshop.clay.surface().points, before.points);
   // in the same frame, and in another one
@@ -210,7 +210,7 @@ TEST(Sculptor, ClayTurnsAboutTheWorkspacesCentre) {
     EXPECT_LT((workshop.clay.cage().points[i] - cage.points[i]).norm(), 1e-12);
   EXPECT_TRUE(workshop.clay.workspaceFromClay().isApprox(about_z));
   workshop.clay.setControlPoints(cage.points, Eigen::Quaterniond::Identity());
-  workshop.clay.turn(about_z);
+  workshop.clay.rotate(about_z);
   expectTurned(workshop.clay.cage().points, cage.points);
 
   // clay that is turned into the hand was not touched by it
@@ -221,7 +221,7 @@ TEST(Sculptor, ClayTurnsAboutTheWorkspacesCentre) {
   const Vec3 there = about_x * (top - center);
   for (const Vec3& point : standing) ASSERT_GT((point - center - there).norm(), kBallRadius_m);
   workshop.frame(gpuHandAt(there));
-  workshop.clay.turn(about_x);
+  workshop.clay.rotate(about_x);
   EXPECT_EQ(workshop.frame(gpuHandAt(there)).touched, 0);
   EXPECT_EQ(workshop.frame(gpuHandAt(there)).touched, 0);
   EXPECT_GT(workshop.frame(gpuHandAt(there + Vec3(0.01, 0.07, 0))).touched, 0) << "that was a way into it";

@@ -350,7 +350,7 @@ TEST(Tools, ThePlanesOfSymmetryTurnWithTheClay) {
       const std::vector<Vec3> before = lying.surface();
       const std::vector<Vec3> truth = sculpt(lying, Eigen::Quaterniond::Identity(), tool);
       EXPECT_GT(largestMove(before, truth), tool == &kSmoothTool ? 0.00005 : 0.01);
-      turned.clay.turn(turn);
+      turned.clay.rotate(turn);
       const std::vector<Vec3> found = sculpt(turned, turn, tool);
       EXPECT_LT(largestMove(truth, found), 1e-5);
       EXPECT_LT(asymmetry(found, Vec3(-1, 1, 1)), 1e-6);

@@ -204,11 +204,11 @@ TEST_F(Studio, FilesThatCannotBeCostNothing) {
 
   folder.write("text.clay", std::string(5000, 'x'));
   choose("ctrl+o", at("text.clay"));
-  EXPECT_TRUE(seesNote("is no Airclay document")) << log();
+  EXPECT_TRUE(seesNote("is not an Airclay document")) << log();
   const std::string whole = readWhole(file, kMaxDocumentBytes);
   folder.write("cut.clay", whole.substr(0, whole.size() / 2));
   choose("ctrl+o", at("cut.clay"));
-  EXPECT_TRUE(seesNote("cut short")) << log();
+  EXPECT_TRUE(seesNote("truncated")) << log();
   EXPECT_TRUE(seesCounts(1, 0));
   EXPECT_TRUE(sameClay(kept(file).state(), pushed));
 
