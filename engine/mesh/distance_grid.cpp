@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Signed distances to a closed triangle mesh: nearest point through a bounding volume hierarchy, sign by the
-// generalized winding number (Jacobson, Kavan and Sorkine-Hornung 2013, "Robust inside-outside segmentation
-// using generalized winding numbers"), far triangles summed as dipoles through the same hierarchy (Barill et
-// al. 2018, "Fast winding numbers for soups and clouds").
+// Signed distances to a closed triangle mesh: the nearest point by a bounding volume hierarchy, the sign by the
+// generalized winding number (Jacobson, Kavan and Sorkine-Hornung 2013, "Robust inside-outside segmentation using
+// generalized winding numbers"), with distant triangles approximated as dipoles in the same hierarchy (Barill et al.
+// 2018, "Fast winding numbers for soups and clouds").
 #include "engine/mesh/distance_grid.h"
 
 #include <algorithm>
@@ -17,7 +17,7 @@
 namespace airclay {
 namespace {
 
-constexpr double kMaxSamples = 256e6;  // 1 GB; more is a mistyped cell
+constexpr double kMaxSamples = 256e6;  // 1 GB; more indicates a mistyped cell size
 
 /// The point of a triangle nearest to `p` (Ericson 2004, "Real-Time Collision Detection", 5.1.5: by Voronoi
 /// regions).
@@ -45,7 +45,7 @@ Vec3 nearestOnTriangle(const Vec3& p, const std::array<Vec3, 3>& t) {
   return t[0] + on_ac / sum * ab + on_ab / sum * ac;
 }
 
-/// The solid angle under which a triangle is seen, positive from its inside (Van Oosterom and Strackee 1983).
+/// The solid angle of a triangle seen from `p`, positive on its inside (Van Oosterom and Strackee 1983).
 double solidAngle(const Vec3& p, const std::array<Vec3, 3>& t) {
   const Vec3 a = t[0] - p, b = t[1] - p, c = t[2] - p;
   const double la = a.norm(), lb = b.norm(), lc = c.norm();
@@ -60,7 +60,7 @@ std::vector<std::array<Vec3, 3>> cornersOf(const TriangleMesh& mesh) {
   return corners;
 }
 
-/// Boxes within boxes round the triangles.
+/// A bounding volume hierarchy of axis-aligned boxes over triangles.
 class Hierarchy {
  public:
   explicit Hierarchy(std::vector<std::array<Vec3, 3>> triangles) : triangles_(std::move(triangles)) {
@@ -70,7 +70,7 @@ class Hierarchy {
 
   const Eigen::AlignedBox3d& box() const { return nodes_[0].box; }
 
-  /// The distance to the nearest triangle, where it is below `bound`; else `bound`.
+  /// The distance to the nearest triangle, at most `bound`.
   double distance(const Vec3& point, double bound) const {
     double best = bound * bound;
     std::array<std::pair<int, double>, kMaxDepth> stack;
@@ -94,7 +94,7 @@ class Hierarchy {
     return std::sqrt(best);
   }
 
-  /// 1 inside, 0 outside, in between and beyond where the mesh crosses itself.
+  /// 1 inside, 0 outside; other values where the mesh intersects itself.
   double windingNumber(const Vec3& point, int index = 0) const {
     const Node& node = nodes_[index];
     const Vec3 offset = node.center - point;
@@ -109,18 +109,17 @@ class Hierarchy {
 
  private:
   static constexpr int kLeaf = 8;
-  static constexpr size_t kMaxDepth = 64;  // halved by count at each level
-  // A dipole seen from 3 radii away: the winding number errs by a few hundredths, and only which side of 1/2
-  // counts.
+  static constexpr size_t kMaxDepth = 64;  // each level halves the count
+  // At 3 radii, the dipole approximation has an error of a few hundredths. Only comparison with 1/2 matters.
   static constexpr double kFarRadii = 3;
 
   struct Node {
     Eigen::AlignedBox3d box;
-    Vec3 center = Vec3::Zero();       // of the triangles, weighed by area
+    Vec3 center = Vec3::Zero();       // of the triangles, weighted by area
     Vec3 area_vector = Vec3::Zero();  // the sum of their normals times areas
-    double radius = 0;                // about `center`, over all corners
+    double radius = 0;                // distance from `center` to the farthest corner
     int first = 0, count = 0;         // in triangles_
-    int right = 0;                    // the second child; the first follows its parent. 0: a leaf
+    int right = 0;                    // second child (the first follows its parent); 0: a leaf
   };
 
   int build(int first, int count) {
@@ -147,12 +146,12 @@ class Hierarchy {
     if (count > kLeaf) {
       int axis = 0;
       centroids.sizes().maxCoeff(&axis);
-      const auto place = [axis](const std::array<Vec3, 3>& t) {
+      const auto position = [axis](const std::array<Vec3, 3>& t) {
         return t[0][axis] + t[1][axis] + t[2][axis];
       };
       const auto begin = triangles_.begin() + first;
       std::nth_element(begin, begin + count / 2, begin + count,
-                       [&](const auto& a, const auto& b) { return place(a) < place(b); });
+                       [&](const auto& a, const auto& b) { return position(a) < position(b); });
       build(first, count / 2);
       node.right = build(first + count / 2, count - count / 2);
     }
@@ -164,8 +163,8 @@ class Hierarchy {
   std::vector<Node> nodes_;
 };
 
-/// One row of samples along x. The distance changes by no more than the way between two samples, which bounds
-/// the search; and a sample further from the surface than that way lies on the same side as the one before.
+/// Fills one row of samples along x. Between samples the distance changes at most by their spacing, which bounds the
+/// search; if both are farther from the surface than that, they are on the same side.
 void fillRow(const Hierarchy& hierarchy, DistanceGrid& grid, int j, int k) {
   const double largest = std::numeric_limits<double>::max();
   double distance = std::sqrt(largest), sign = 0;
@@ -186,7 +185,7 @@ void fillRow(const Hierarchy& hierarchy, DistanceGrid& grid, int j, int k) {
 DistanceGrid signedDistanceGrid(const TriangleMesh& mesh, double cell_m, double margin_m) {
   const TriangleMesh closed = withCaps(mesh);
   if (closed.triangles.empty())
-    throw Error("distance grid: a mesh without triangles; give a solid's surface");
+    throw Error("distance grid: the mesh has no triangles; expected the surface of a solid");
   const Hierarchy hierarchy(cornersOf(closed));
   DistanceGrid grid;
   grid.cell_m = cell_m;
@@ -194,8 +193,8 @@ DistanceGrid signedDistanceGrid(const TriangleMesh& mesh, double cell_m, double 
   const Vec3 cells = (extent / cell_m).array().ceil();
   const double samples = (cells + Vec3::Ones()).prod();
   if (!(cell_m > 0 && margin_m >= 0 && samples <= kMaxSamples))
-    throw Error("distance grid: cells of " + std::to_string(cell_m) + " m round a mesh of " +
-                std::to_string(extent.maxCoeff()) + " m; give cells that make at most 256 million samples");
+    throw Error("distance grid: cells of " + std::to_string(cell_m) + " m around a mesh of " +
+                std::to_string(extent.maxCoeff()) + " m; expected at most 256 million samples");
   for (int axis = 0; axis < 3; ++axis) grid.size[axis] = int(cells[axis]) + 1;
   grid.low_corner = hierarchy.box().center() - cells * cell_m / 2;
   grid.values.resize(size_t(samples));
@@ -214,13 +213,13 @@ DistanceGrid signedDistanceGrid(const TriangleMesh& mesh, double cell_m, double 
 
 double sample(const DistanceGrid& grid, const Vec3& point) {
   const Vec3 last(grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1);
-  const Vec3 wanted = (point - grid.low_corner) / grid.cell_m;
-  const Vec3 place = wanted.cwiseMax(Vec3::Zero()).cwiseMin(last);
+  const Vec3 in_cells = (point - grid.low_corner) / grid.cell_m;
+  const Vec3 clamped = in_cells.cwiseMax(Vec3::Zero()).cwiseMin(last);
   std::array<size_t, 3> low{};
-  Vec3 share;
+  Vec3 fraction;
   for (int axis = 0; axis < 3; ++axis) {
-    low[axis] = size_t(std::clamp(std::floor(place[axis]), 0., std::max(last[axis] - 1, 0.)));
-    share[axis] = place[axis] - double(low[axis]);
+    low[axis] = size_t(std::clamp(std::floor(clamped[axis]), 0., std::max(last[axis] - 1, 0.)));
+    fraction[axis] = clamped[axis] - double(low[axis]);
   }
   double sum = 0;
   for (int corner = 0; corner < 8; ++corner) {
@@ -228,13 +227,13 @@ double sample(const DistanceGrid& grid, const Vec3& point) {
     std::array<size_t, 3> at = low;
     for (int axis = 0; axis < 3; ++axis) {
       const bool high = (corner >> axis) & 1;
-      weight *= high ? share[axis] : 1 - share[axis];
+      weight *= high ? fraction[axis] : 1 - fraction[axis];
       at[axis] += high;
     }
     if (weight > 0)
       sum += weight * grid.values[at[0] + size_t(grid.size[0]) * (at[1] + size_t(grid.size[1]) * at[2])];
   }
-  return sum + (wanted - place).norm() * grid.cell_m;
+  return sum + (in_cells - clamped).norm() * grid.cell_m;
 }
 
 double signedDistance(const TriangleMesh& mesh, const Vec3& point) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A mesh as a glTF 2.0 binary. Numbers in brackets refer to the specification,
+// Writes a mesh as a glTF 2.0 binary. Numbers in brackets refer to the specification,
 // https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html
 #include <cmath>
 #include <cstring>
@@ -15,18 +15,18 @@
 namespace airclay {
 namespace {
 
-/// [3.4] y up, z forward: the world turned about x by a quarter.
+/// [3.4] y up, z forward: the world rotated about x by 90 degrees.
 Eigen::Vector3f yUp(const Vec3& in_world) {
   return Vec3(in_world.x(), in_world.z(), -in_world.y()).cast<float>();
 }
 
-/// Adds an accessor with a buffer view of its own at the end of the buffer.
+/// Appends data to the buffer, with its own buffer view and accessor.
 int addAccessor(tinygltf::Model& model, const void* data, std::size_t bytes, int target,
                 tinygltf::Accessor accessor) {
   std::vector<unsigned char>& buffer = model.buffers[0].data;
   tinygltf::BufferView view;
   view.buffer = 0;
-  view.byteOffset = buffer.size();  // every element is of four bytes: aligned
+  view.byteOffset = buffer.size();  // aligned, because every component has four bytes
   view.byteLength = bytes;
   view.target = target;
   buffer.resize(buffer.size() + bytes);
@@ -42,7 +42,7 @@ int addVectors(tinygltf::Model& model, const std::vector<Eigen::Vector3f>& vecto
   accessor.componentType = TINYGLTF_COMPONENT_TYPE_FLOAT;
   accessor.type = TINYGLTF_TYPE_VEC3;
   accessor.count = vectors.size();
-  if (with_bounds) {  // [3.7.2.1] positions must have them
+  if (with_bounds) {  // [3.7.2.1] required for positions
     Eigen::AlignedBox3f box;
     for (const Eigen::Vector3f& vector : vectors) box.extend(vector);
     for (int axis = 0; axis < 3; ++axis) {
@@ -72,7 +72,7 @@ tinygltf::Material clayMaterial(bool open) {
                                                    linearFromSrgb(kClayColor[1]),
                                                    linearFromSrgb(kClayColor[2]), 1};  // [3.9.2]
   material.pbrMetallicRoughness.metallicFactor = 0;
-  material.pbrMetallicRoughness.roughnessFactor = 0.9;  // dull, with a trace of a highlight
+  material.pbrMetallicRoughness.roughnessFactor = 0.9;  // matt, with a faint highlight
   material.doubleSided = open;
   return material;
 }
@@ -107,7 +107,7 @@ std::string gltfBinary(const TriangleMesh& mesh, const std::vector<Vec3>& normal
 
   std::ostringstream bytes;
   if (!tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, bytes, false, true))
-    throw Error("the glTF binary could not be composed");
+    throw Error("could not compose the glTF binary");
   return std::move(bytes).str();
 }
 

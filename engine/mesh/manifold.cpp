@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The checks of a control cage, over its directed edges and a union of the face corners around each point.
+// Checks a control cage by its directed edges, and by union-find over the face corners around each point.
 #include "engine/mesh/manifold.h"
 
 #include <algorithm>
@@ -10,10 +10,10 @@
 namespace airclay {
 namespace {
 
-/// A side of a face, from one point to the next.
+/// A face's edge from one point to the next.
 struct DirectedEdge {
   int from, to;
-  int corner;       ///< the face corner at `from`, over all faces
+  int corner;       ///< the face corner at `from`, numbered over all faces
   int next_corner;  ///< the face corner at `to`
 };
 
@@ -27,17 +27,17 @@ std::string named(int point) {
 
 void checkFace(const std::vector<int>& face, size_t point_count, const std::string& where) {
   if (face.size() < 3)
-    throw Error(where + " has " + std::to_string(face.size()) + " corners; a face needs three or more");
+    throw Error(where + " has " + std::to_string(face.size()) + " corners; expected at least three");
   std::vector<int> sorted = face;
   std::sort(sorted.begin(), sorted.end());
   if (sorted.front() < 0 || size_t(sorted.back()) >= point_count)
-    throw Error(where + " has a corner out of range; there are points 1 to " + std::to_string(point_count));
+    throw Error(where + " has a corner out of range; expected points 1 to " + std::to_string(point_count));
   const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
   if (twice != sorted.end())
-    throw Error(where + " has point " + named(*twice) + " twice; a face's corners must differ");
+    throw Error(where + " has point " + named(*twice) + " twice; expected different corners");
 }
 
-/// The sides of all faces, sorted by their ends.
+/// The directed edges of all faces, sorted by their ends.
 std::vector<DirectedEdge> directedEdges(const PolygonMesh& cage) {
   std::vector<DirectedEdge> edges;
   int first_corner = 0;
@@ -53,10 +53,10 @@ std::vector<DirectedEdge> directedEdges(const PolygonMesh& cage) {
   return edges;
 }
 
-/// None when it doesn't exist.
+/// Null if the edge does not exist.
 const DirectedEdge* findEdge(const std::vector<DirectedEdge>& edges, int from, int to) {
-  const DirectedEdge wanted{from, to, 0, 0};
-  const auto found = std::lower_bound(edges.begin(), edges.end(), wanted);
+  const DirectedEdge key{from, to, 0, 0};
+  const auto found = std::lower_bound(edges.begin(), edges.end(), key);
   return found != edges.end() && found->from == from && found->to == to ? &*found : nullptr;
 }
 
@@ -69,7 +69,7 @@ void checkEdges(const std::vector<DirectedEdge>& edges, const std::string& where
     throw Error(where + ": the edge between points " + named(std::min(edge.from, edge.to)) + " and " +
                 named(std::max(edge.from, edge.to)) + " is non-manifold: " +
                 (third ? "it has more than two faces"
-                       : "two faces run along it the same way; turn one of them round"));
+                       : "its two faces have opposite orientation; flip one of them"));
   }
 }
 
@@ -88,7 +88,7 @@ class CornerSets {
   std::vector<int> parent_;
 };
 
-/// Corners at a point are one fan when each can be reached from any other across shared edges.
+/// The faces at a point form one fan if each is reachable from every other across shared edges.
 void checkPoints(const PolygonMesh& cage, const std::vector<DirectedEdge>& edges, const std::string& where) {
   CornerSets fans(edges.size());
   for (const DirectedEdge& edge : edges) {
@@ -103,20 +103,20 @@ void checkPoints(const PolygonMesh& cage, const std::vector<DirectedEdge>& edges
     const int own = fans.find(edge.corner);
     if (fan >= 0 && fan != own)
       throw Error(where + ": point " + named(edge.from) +
-                  " is non-manifold: two fans of faces touch there; give each a point of its own");
+                  " is non-manifold: two fans of faces meet only there; duplicate the point for each");
     fan = own;
   }
-  const auto lonely = std::find(fan_of_point.begin(), fan_of_point.end(), -1);
-  if (lonely != fan_of_point.end())
-    throw Error(where + ": point " + named(int(lonely - fan_of_point.begin())) +
-                " has no face; remove it or use it");
+  const auto loose = std::find(fan_of_point.begin(), fan_of_point.end(), -1);
+  if (loose != fan_of_point.end())
+    throw Error(where + ": point " + named(int(loose - fan_of_point.begin())) +
+                " has no face; remove it or use it in a face");
 }
 
 }  // namespace
 
 void checkCage(const PolygonMesh& cage, const std::string& where) {
   if (cage.points.empty() || cage.faces.empty())
-    throw Error(where + ": a control cage needs points and faces; there are " +
+    throw Error(where + ": a control cage needs points and faces; this one has " +
                 std::to_string(cage.points.size()) + " and " + std::to_string(cage.faces.size()));
   for (size_t f = 0; f < cage.faces.size(); ++f)
     checkFace(cage.faces[f], cage.points.size(), where + ": face " + std::to_string(f + 1));

@@ -8,11 +8,10 @@
 namespace airclay {
 namespace {
 
-/// Each border edge's start and end, as its triangle runs along it; an edge that several triangles leave open
-/// is there as often. At every vertex as many border edges end as start, because each triangle is a closed
-/// walk.
+/// Start and end of each border edge, in the direction of its triangle; an edge occurs once per unmatched triangle. At
+/// every vertex the numbers of incoming and outgoing border edges are equal, because each triangle is a closed walk.
 std::multimap<int, int> borderEdges(const TriangleMesh& mesh) {
-  std::map<std::pair<int, int>, int> surplus;  // of (a, b), a < b: runs from a to b less runs from b to a
+  std::map<std::pair<int, int>, int> surplus;  // (a, b), a < b: edges from a to b minus edges from b to a
   for (const auto& triangle : mesh.triangles) {
     for (int i = 0; i < 3; ++i) {
       const int a = triangle[i], b = triangle[(i + 1) % 3];
@@ -56,7 +55,7 @@ MassProperties massProperties(const TriangleMesh& mesh) {
   const TriangleMesh closed = withCaps(mesh);
   MassProperties mass;
   if (closed.triangles.empty()) return mass;
-  // Tetrahedra from a point near the solid: a far origin would cancel digits.
+  // Tetrahedra with a corner near the solid: a distant origin would cause cancellation.
   const Vec3 origin = closed.vertices[closed.triangles[0][0]];
   Vec3 first_moment = Vec3::Zero();
   Mat3 second_moment = Mat3::Zero();  // the integral of x xᵀ about `origin`
@@ -85,7 +84,7 @@ std::vector<Vec3> vertexNormals(const TriangleMesh& mesh) {
     const Vec3 twice_area = (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]);
     for (const int vertex : {a, b, c}) normals[vertex] += twice_area;
   }
-  for (Vec3& normal : normals) normal.normalize();  // Eigen leaves a zero vector as it is
+  for (Vec3& normal : normals) normal.normalize();  // Eigen does not change a zero vector
   return normals;
 }
 

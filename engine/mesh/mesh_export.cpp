@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Meshes as files of other programs. PLY: Turk 1994, "The PLY Polygon File Format". STL: 3D Systems 1988,
-// "StereoLithography Interface Specification", the binary form. glTF is in gltf_export.cpp, splitting faces
-// in triangulate.cpp.
+// Exports meshes. PLY: Turk 1994, "The PLY Polygon File Format". STL: 3D Systems 1988, "StereoLithography Interface
+// Specification", binary format. gltf_export.cpp writes glTF; triangulate.cpp splits faces.
 #include "engine/mesh/mesh_export.h"
 
 #include <algorithm>
@@ -20,28 +19,28 @@
 namespace airclay {
 namespace {
 
-static_assert(std::endian::native == std::endian::little);  // numbers are copied into files as they stand
+static_assert(std::endian::native == std::endian::little);  // numbers are copied to files byte by byte
 
-constexpr double kMaxCoordinate_m = 1e6;  // beyond this a file is damaged; it also keeps products finite
-constexpr double kMillimetres = 1000;     // in a metre
+constexpr double kMaxCoordinate_m = 1e6;  // more indicates a damaged file; also keeps products finite
+constexpr double kMillimetres = 1000;     // per metre
 
-/// A mesh as slicers take it: points that coincide are one, and no triangle is without area.
+/// A mesh as slicers interpret it: coincident points are merged, triangles without area dropped.
 struct Solid {
   std::vector<Eigen::Vector3f> points_mm;
   std::vector<std::array<int, 3>> triangles;
 };
 
 void checkExportable(const PolygonMesh& mesh, const std::string& where) {
-  if (mesh.faces.empty()) throw Error(where + ": there is no face to write");
+  if (mesh.faces.empty()) throw Error(where + ": the mesh has no faces");
   for (std::size_t i = 0; i < mesh.points.size(); ++i)
     if (!(mesh.points[i].array().abs() <= kMaxCoordinate_m).all())
       throw Error(where + ": point " + std::to_string(i + 1) +
-                  " lies beyond 1,000 km or nowhere; coordinates are metres");
+                  " is beyond 1,000 km or not finite; expected coordinates in metres");
   for (std::size_t i = 0; i < mesh.faces.size(); ++i)
     for (const int corner : mesh.faces[i])
       if (corner < 0 || std::size_t(corner) >= mesh.points.size())
         throw Error(where + ": face " + std::to_string(i + 1) + " has a corner " +
-                    std::to_string(corner + 1) + "; there are points 1 to " +
+                    std::to_string(corner + 1) + "; expected points 1 to " +
                     std::to_string(mesh.points.size()));
 }
 
@@ -50,7 +49,7 @@ Eigen::Vector3d areaVector(const std::array<Eigen::Vector3f, 3>& corners) {
   return (corners[1].cast<double>() - a).cross(corners[2].cast<double>() - a) / 2;
 }
 
-/// Point by point, the first of those that stand in the same place.
+/// For each point, the index of the first point with the same coordinates.
 std::vector<int> firstOfEqual(const std::vector<Eigen::Vector3f>& points) {
   std::vector<int> order(points.size());
   std::iota(order.begin(), order.end(), 0);
@@ -80,7 +79,7 @@ Solid solidOf(const PolygonMesh& mesh, const std::vector<std::array<int, 3>>& tr
   return solid;
 }
 
-/// Edges that are not run along as often one way as the other.
+/// The number of edges whose triangles do not match in opposite directions.
 std::size_t countOpenEdges(const std::vector<std::array<int, 3>>& triangles) {
   struct Side {
     std::uint64_t edge;
@@ -116,15 +115,15 @@ void put(std::string& bytes, const Eigen::Vector3f& vector) {
 }
 
 std::string plyOf(const PolygonMesh& mesh) {
-  std::size_t most_corners = 0;
-  for (const std::vector<int>& face : mesh.faces) most_corners = std::max(most_corners, face.size());
-  const bool few_corners = most_corners <= 255;  // the usual type of the count; not every reader has others
+  std::size_t max_corners = 0;
+  for (const std::vector<int>& face : mesh.faces) max_corners = std::max(max_corners, face.size());
+  const bool fits_uchar = max_corners <= 255;  // the usual type of the count; some readers support no other
   std::string bytes = "ply\nformat binary_little_endian 1.0\ncomment Airclay: metres, z up\nelement vertex " +
                       std::to_string(mesh.points.size()) +
                       "\nproperty float x\nproperty float y\nproperty float z"
                       "\nproperty float nx\nproperty float ny\nproperty float nz\nelement face " +
                       std::to_string(mesh.faces.size()) + "\nproperty list " +
-                      (few_corners ? "uchar" : "uint") + " int vertex_indices\nend_header\n";
+                      (fits_uchar ? "uchar" : "uint") + " int vertex_indices\nend_header\n";
   const std::vector<Vec3> normals = smoothNormals(mesh);
   for (std::size_t i = 0; i < mesh.points.size(); ++i) {
     reportProgress(i, mesh.points.size());
@@ -132,7 +131,7 @@ std::string plyOf(const PolygonMesh& mesh) {
     put(bytes, normals[i].cast<float>().eval());
   }
   for (const std::vector<int>& face : mesh.faces) {
-    if (few_corners)
+    if (fits_uchar)
       put(bytes, std::uint8_t(face.size()));
     else
       put(bytes, std::uint32_t(face.size()));
@@ -142,7 +141,7 @@ std::string plyOf(const PolygonMesh& mesh) {
 }
 
 std::string stlOf(const Solid& solid) {
-  std::string bytes = "Airclay: millimetres, z up";  // must not begin with `solid`: that is the text form
+  std::string bytes = "Airclay: millimetres, z up";  // must not start with `solid`, which marks the text format
   bytes.resize(80, ' ');
   bytes.reserve(84 + 50 * solid.triangles.size());
   put(bytes, std::uint32_t(solid.triangles.size()));
@@ -152,7 +151,7 @@ std::string stlOf(const Solid& solid) {
     const std::array corners = {solid.points_mm[a], solid.points_mm[b], solid.points_mm[c]};
     put(bytes, areaVector(corners).normalized().cast<float>().eval());
     for (const Eigen::Vector3f& corner : corners) put(bytes, corner);
-    put(bytes, std::uint16_t(0));  // attributes: none
+    put(bytes, std::uint16_t(0));  // no attributes
   }
   return bytes;
 }
@@ -164,14 +163,14 @@ TriangleMesh trianglesOf(const PolygonMesh& mesh, const std::vector<std::array<i
 }  // namespace
 
 MeshFormat meshFormatOf(const std::filesystem::path& file) {
-  std::string ending = file.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return std::tolower(c); });
-  if (ending == ".obj") return MeshFormat::kObj;
-  if (ending == ".ply") return MeshFormat::kPly;
-  if (ending == ".stl") return MeshFormat::kStl;
-  if (ending == ".glb") return MeshFormat::kGlb;
-  throw Error(file.string() + ": the ending says the format; it is one of .obj, .ply, .stl and .glb",
+  if (extension == ".obj") return MeshFormat::kObj;
+  if (extension == ".ply") return MeshFormat::kPly;
+  if (extension == ".stl") return MeshFormat::kStl;
+  if (extension == ".glb") return MeshFormat::kGlb;
+  throw Error(file.string() + ": unknown mesh format; expected the extension .obj, .ply, .stl or .glb",
               Fault::kUsage);
 }
 
@@ -212,7 +211,7 @@ MeshExport exportMesh(const std::filesystem::path& file, const PolygonMesh& mesh
 std::vector<Vec3> smoothNormals(const PolygonMesh& mesh) {
   std::vector<Vec3> normals(mesh.points.size(), Vec3::Zero());
   for (const std::vector<int>& face : mesh.faces) {
-    // Twice the polygon's vector area (Newell's sum): the same however it is split.
+    // Twice the polygon's vector area (Newell's method), independent of the triangulation.
     const Vec3& hub = mesh.points[face[0]];
     Vec3 twice_area = Vec3::Zero();
     for (std::size_t i = 2; i < face.size(); ++i)

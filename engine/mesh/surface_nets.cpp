@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Surface nets: sample, place a vertex in each crossed cell, join them across crossed edges, even out and
-// project.
+// Surface nets: sample, place a vertex in each crossed cell, connect them across crossed edges, relax and project.
 #include "engine/mesh/surface_nets.h"
 
 #include <algorithm>
@@ -9,9 +8,9 @@
 namespace airclay {
 namespace {
 
-constexpr int kRelaxations = 5;  // more make the triangles hardly better
+constexpr int kRelaxations = 5;  // more barely improve the triangles
 
-/// body(i) for i in [0, count), on two threads: this runs at start-up, and two are nearly always there.
+/// Calls body(i) for i in [0, count) on two threads; nearly every machine has two cores.
 template <typename Body>
 void inParallel(size_t count, const Body& body) {
   std::thread second([&] {
@@ -26,7 +25,7 @@ struct Net {
   std::vector<std::array<int, 4>> quads;
 };
 
-/// Samples at the cells' corners and the indices that go with them.
+/// The function's samples at the cells' corners.
 class Samples {
  public:
   Samples(const Implicit& surface, const NetGrid& grid) : grid_(grid) {
@@ -47,7 +46,7 @@ class Samples {
   double operator[](const std::array<int, 3>& at) const { return values_[index(at)]; }
   const std::array<int, 3>& size() const { return size_; }
 
-  /// The mean of the points where the surface crosses the cell's twelve edges; false where it crosses none.
+  /// The mean of the points where the surface crosses the cell's twelve edges; false if it crosses none.
   bool crossing(const std::array<int, 3>& cell, Vec3& mean) const {
     int crossings = 0;
     mean.setZero();
@@ -97,7 +96,7 @@ Net extract(const Samples& samples) {
           std::array<int, 3> to = from;
           ++to[axis];
           if (inside == (samples[to] < 0)) continue;
-          // The four cells about the edge, anticlockwise as seen from its far end.
+          // The four cells around the edge, counterclockwise seen from its far end.
           std::array<int, 4> quad{};
           constexpr int kBack[4][2] = {{1, 1}, {0, 1}, {0, 0}, {1, 0}};
           for (int c = 0; c < 4; ++c) {
@@ -127,7 +126,7 @@ Vec3 towardsSurface(const Implicit& surface, const Vec3& point, double reach) {
   return point + step;
 }
 
-/// Each vertex goes to the mean of its neighbours in the net and from there back to the surface.
+/// Moves each vertex halfway to the mean of its neighbours and then back to the surface, repeatedly.
 void relax(const Implicit& surface, double reach, Net& net) {
   std::vector<Vec3> sums(net.vertices.size());
   std::vector<int> counts(net.vertices.size());

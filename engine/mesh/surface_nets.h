@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-// From an implicit surface to triangles: surface nets (Gibson 1998, "Constrained elastic surface nets:
-// generating smooth surfaces from binary segmented data", MICCAI), with the vertices brought onto the surface
-// by Newton steps.
+// Polygonizes an implicit surface by surface nets (Gibson 1998, "Constrained elastic surface nets: generating smooth
+// surfaces from binary segmented data", MICCAI), with vertices projected onto the surface by Newton steps.
 #pragma once
 
 #include <functional>
@@ -10,20 +9,19 @@
 
 namespace airclay {
 
-/// Negative inside; its size need be a distance only near the surface.
+/// A function that is negative inside, and approximates the signed distance near the surface.
 using Implicit = std::function<double(const Vec3&)>;
 
-/// The box that is searched and its cells. The surface must lie inside the box, a cell or more from its
-/// sides.
+/// The grid to search. The surface must be inside it, at least one cell from its sides.
 struct NetGrid {
   Vec3 low_corner = Vec3::Zero();
   Vec3 cell = Vec3::Ones();
   std::array<int, 3> cells{};
 };
 
-/// A mesh of one vertex a crossed cell, two triangles a crossed edge, anticlockwise from outside; vertices
-/// are spread evenly over the surface and lie on it to a few thousandths of a cell. Closed; manifold where no
-/// two sheets of the surface cross one cell.
+/// A closed mesh with one vertex per crossed cell and two triangles per crossed edge, counterclockwise seen from
+/// outside. Vertices are evenly spaced and within a few thousandths of a cell of the surface. Manifold wherever no cell
+/// is crossed by two sheets of the surface.
 TriangleMesh surfaceNet(const Implicit& surface, const NetGrid& grid);
 
 }  // namespace airclay

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Polygons into triangles: quads along the shorter diagonal, larger ones by clipping ears (Meisters 1975,
-// "Polygons have ears", Amer. Math. Monthly 82(6): a simple polygon of four corners or more has two).
+// Splits polygons into triangles: quads along the shorter diagonal, larger ones by ear clipping (Meisters 1975,
+// "Polygons have ears", Amer. Math. Monthly 82(6): a simple polygon of at least four corners has two ears).
 #include <algorithm>
 #include <limits>
 
@@ -13,13 +13,13 @@ namespace {
 
 using Triangles = std::vector<std::array<int, 3>>;
 
-// Clipping takes time with the square of this, and seconds at ten times as many.
+// Ear clipping takes quadratic time: seconds at ten times as many.
 constexpr std::size_t kMaxCorners = 10'000;
-// Of the polygon's area: less is flat, and what rounding makes of a straight corner.
+// Relative to the polygon's area. Less counts as zero, as rounding leaves at a straight corner.
 constexpr double kFlat = 1e-12;
 constexpr double kNoEar = std::numeric_limits<double>::infinity();
 
-/// Twice the area of a triangle, positive when it runs anticlockwise.
+/// Twice the signed area of a triangle, positive if counterclockwise.
 double twiceArea(const Vec2& a, const Vec2& b, const Vec2& c) {
   const Vec2 u = b - a, v = c - a;
   return u.x() * v.y() - u.y() * v.x();
@@ -32,7 +32,7 @@ void splitQuad(const std::vector<Vec3>& points, const std::vector<int>& quad, Tr
   const auto faces = [&](int i, int j, int k) {
     return normal.dot((points[j] - points[i]).cross(points[k] - points[i])) > kFlat * normal.squaredNorm();
   };
-  // In an arrowhead, or with a straight corner, one diagonal runs outside or along an edge.
+  // In a concave quad, or with a straight corner, one diagonal is outside or along an edge.
   const bool ac_inside = faces(a, b, c) && faces(a, c, d), bd_inside = faces(a, b, d) && faces(b, c, d);
   const bool bd_shorter = bd.squaredNorm() < ac.squaredNorm();
   if (ac_inside == bd_inside ? bd_shorter : bd_inside) {
@@ -44,7 +44,7 @@ void splitQuad(const std::vector<Vec3>& points, const std::vector<int>& quad, Tr
   }
 }
 
-/// A polygon that loses ear after ear.
+/// Clips the ears of one polygon.
 class EarClipper {
  public:
   EarClipper(const std::vector<Vec3>& points, const std::vector<int>& face) : corners_(face) {
@@ -65,7 +65,7 @@ class EarClipper {
     while (corners_.size() > 3) {
       std::size_t ear = shortest();
       if (diagonals_[ear] == kNoEar) {
-        measureAll();  // a corner clipped since may have stood in the way of an ear farther off
+        measureAll();  // clipping may have removed a corner that blocked another ear
         ear = shortest();
       }
       clip(ear, triangles);
@@ -77,7 +77,7 @@ class EarClipper {
   std::size_t before(std::size_t i) const { return (i + corners_.size() - 1) % corners_.size(); }
   std::size_t after(std::size_t i) const { return (i + 1) % corners_.size(); }
 
-  /// Of a polygon that crosses itself, or without area, any corner.
+  /// The ear with the shortest diagonal; any corner if the polygon intersects itself or has no area.
   std::size_t shortest() const {
     return std::size_t(std::min_element(diagonals_.begin(), diagonals_.end()) - diagonals_.begin());
   }
@@ -86,7 +86,7 @@ class EarClipper {
     for (std::size_t i = 0; i < corners_.size(); ++i) measure(i);
   }
 
-  /// The squared length of the diagonal that cuts off corner i, where that is an ear.
+  /// Computes the squared length of the diagonal that cuts off corner i; kNoEar if it is not an ear.
   void measure(std::size_t i) {
     const Vec2 &a = flat_[before(i)], &b = flat_[i], &c = flat_[after(i)];
     diagonals_[i] = kNoEar;
@@ -111,7 +111,7 @@ class EarClipper {
   double flat_area_ = 0;
   std::vector<int> corners_;
   std::vector<Vec2> flat_;         ///< the corners in the polygon's plane
-  std::vector<double> diagonals_;  ///< squared lengths; kNoEar where the corner is none
+  std::vector<double> diagonals_;  ///< squared lengths; kNoEar for corners that are not ears
 };
 
 }  // namespace
@@ -124,7 +124,7 @@ std::vector<std::array<int, 3>> triangulated(const PolygonMesh& mesh) {
     const std::vector<int>& face = mesh.faces[i];
     if (face.size() < 3 || face.size() > kMaxCorners)
       throw Error("face " + std::to_string(i + 1) + " has " + std::to_string(face.size()) +
-                  " corners; 3 to " + std::to_string(kMaxCorners) + " can be split into triangles");
+                  " corners; expected 3 to " + std::to_string(kMaxCorners));
     if (face.size() == 3) triangles.push_back({face[0], face[1], face[2]});
     if (face.size() == 4) splitQuad(mesh.points, face, triangles);
     if (face.size() > 4) EarClipper(mesh.points, face).split(triangles);
