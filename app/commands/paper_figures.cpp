@@ -127,7 +127,7 @@ RgbaImage voxelModel(Gpu& gpu, const HandModel& hand, int voxels) {
 
 /// Fig. 2: links and joints, and the skin around them.
 RgbaImage skeletalModel(Gpu& gpu, const HandModel& hand) {
-  const DrawnMesh skin = DrawnMesh::withDistances(gpu, hand.skin);
+  const RenderMesh skin = RenderMesh::withDistances(gpu, hand.skin);
   const Pose pose = uprightHand();
   const View view = nearView(-1.85, 0.12, 0.52, Vec3(0.004, 0, 0.005));
   Scene scene;
@@ -169,7 +169,7 @@ void addArc(std::vector<SceneCapsule>& capsules, const Vec3& center, const Vec3&
 /// Fig. 3: the fit's coordinate system, its origin in the hand's centre of gravity, its axes parallel to the
 /// world's; the hand is turned by the angle α and moved by d.
 RgbaImage coordinateSystem(Gpu& gpu, const HandModel& hand) {
-  const DrawnMesh skin = DrawnMesh::withDistances(gpu, hand.skin);
+  const RenderMesh skin = RenderMesh::withDistances(gpu, hand.skin);
   const Vec3 centroid_in_hand = massProperties(withCaps(hand.skin)).centroid;
   Pose lying = Pose::Identity();  // fingers along x, back of the hand up
   lying.translation() = -centroid_in_hand;
@@ -177,8 +177,8 @@ RgbaImage coordinateSystem(Gpu& gpu, const HandModel& hand) {
   const double alpha_rad = 0.62;
   const Pose target = turned(lying, Vec3::Zero(), Vec3(0, 0, alpha_rad), d);
 
-  const vec3 red = fromScreen(200, 64, 52), green = fromScreen(78, 146, 70), blue = fromScreen(54, 100, 186);
-  const vec3 dark = fromScreen(52, 54, 60), ivory = fromScreen(214, 206, 192);
+  const vec3 red = colorFromSrgb(200, 64, 52), green = colorFromSrgb(78, 146, 70), blue = colorFromSrgb(54, 100, 186);
+  const vec3 dark = colorFromSrgb(52, 54, 60), ivory = colorFromSrgb(214, 206, 192);
   Scene scene;
   SceneHand translucent;
   translucent.skin = &skin;
@@ -198,7 +198,7 @@ RgbaImage coordinateSystem(Gpu& gpu, const HandModel& hand) {
   addArrow(scene.capsules, Vec3::Zero(), d, 0.0026, dark);
   addArc(scene.capsules, d, Vec3::UnitZ(), Vec3(0.085, 0, 0), alpha_rad, dark);
   SceneStrokes unturned;  // the direction α = 0
-  unturned.own_points = {d, d + Vec3(0.1, 0, 0), d,
+  unturned.host_points = {d, d + Vec3(0.1, 0, 0), d,
                          d + 0.1 * Vec3(std::cos(alpha_rad), std::sin(alpha_rad), 0)};
   unturned.color = dark;
   unturned.width_px = 1.6;
@@ -226,7 +226,7 @@ RgbaImage subdividedCube(Gpu& gpu) {
       mesh.faces.clear();
       for (const auto& quad : subdivision.quads) mesh.faces.emplace_back(quad.begin(), quad.end());
     }
-    const DrawnMesh drawn = DrawnMesh::faceted(gpu, mesh);
+    const RenderMesh drawn = RenderMesh::faceted(gpu, mesh);
     Scene scene;
     SceneMesh solid;
     solid.surface = drawn.surface();
@@ -234,12 +234,12 @@ RgbaImage subdividedCube(Gpu& gpu) {
     scene.meshes.push_back(solid);
     SceneStrokes edges = meshEdges(mesh, scene.workspace);
     edges.width_px = level < 2 ? 3.2 : 2.2;
-    edges.color = fromScreen(70, 50, 44);
+    edges.color = colorFromSrgb(70, 50, 44);
     scene.strokes.push_back(edges);
     if (level > 0) {
       SceneStrokes initial = meshEdges(cage, scene.workspace);
       initial.width_px = 1.8;
-      initial.color = fromScreen(120, 116, 112);
+      initial.color = colorFromSrgb(120, 116, 112);
       scene.strokes.push_back(initial);
     }
     scene.ground_z_m = low_z_m - 0.002;
@@ -253,7 +253,7 @@ RgbaImage subdividedCube(Gpu& gpu) {
 void addCamera(std::vector<SceneCapsule>& capsules, const View& view) {
   const Pose workspace_from_camera = view.camera_from_workspace.inverse();
   const Vec3 eye = workspace_from_camera.translation(), ahead = workspace_from_camera.linear().col(2);
-  const vec3 body = fromScreen(74, 78, 86), lens = fromScreen(36, 38, 44);
+  const vec3 body = colorFromSrgb(74, 78, 86), lens = colorFromSrgb(36, 38, 44);
   capsules.push_back({eye - 0.085 * ahead, eye - 0.035 * ahead, 0.032, 0.036, body});
   capsules.push_back({eye - 0.03 * ahead, eye - 0.004 * ahead, 0.024, 0.028, lens});
 }
@@ -262,7 +262,7 @@ void addCamera(std::vector<SceneCapsule>& capsules, const View& view) {
 RgbaImage cameraSystem(Gpu& gpu, const HandModel& hand) {
   const GpuRig rig(gpu, demoRig());
   const HandScript script = demoScript();
-  const Pose world_from_hand = script.at(0.27 * script.endS()).value();
+  const Pose world_from_hand = script.at(0.27 * script.endSeconds()).value();
   const Photographs photographs = photograph(gpu, rig, demoArm(), world_from_hand);
 
   const PolygonMesh cage = presetCage("tube");
@@ -278,7 +278,7 @@ RgbaImage cameraSystem(Gpu& gpu, const HandModel& hand) {
   scene.hand->opacity = 0.75;
   SceneStrokes frusta = cameraFrusta(rig.rig(), 0.3);
   frusta.width_px = 1.8;
-  frusta.color = fromScreen(60, 84, 116);
+  frusta.color = colorFromSrgb(60, 84, 116);
   SceneStrokes cube = cubeEdges(scene.workspace);
   cube.width_px = 2;
   cube.hidden = 0.25;
@@ -307,7 +307,7 @@ RgbaImage deformation(Gpu& gpu, const HandModel& hand, int voxels, const std::fu
   const ClayState clay{presetCage("tube")};
   Pipeline pipeline(gpu, recording.rig(), hand, {voxels}, clay);
   Player player(recording, pipeline);
-  DisplaySurface surface(gpu, clay.cage, clay.rule, clay.levels, {.finer_points = 200'000});
+  DisplaySurface surface(gpu, clay.cage, clay.rule, clay.levels, {.refine_below_points = 200'000});
   const DrawnHand drawn(gpu, hand, builtInForearm(false));
   double low_z_m = 0;
   for (const Vec3& point : pipeline.clay().surface().points) low_z_m = std::min(low_z_m, point.z());

@@ -21,7 +21,7 @@ void save(const std::filesystem::path& file, const RgbaImage& image) {
 OffscreenRenderer::OffscreenRenderer(Gpu& gpu, ImageSize size)
     : renderer_(gpu, {.width = size.width,
                       .height = size.height,
-                      .triangles_a_piece = gpu.isCpu() ? kTrianglesAPiece : 0}),
+                      .max_submission_triangles = gpu.isCpu() ? kTrianglesAPiece : 0}),
       recorder_(gpu) {}
 
 RgbaImage OffscreenRenderer::paint(const Scene& scene, const View& view) {
@@ -34,7 +34,7 @@ RgbaImage OffscreenRenderer::paint(const Scene& scene, const View& view) {
 }
 
 DrawnHand::DrawnHand(Gpu& gpu, const HandModel& hand, const std::optional<TriangleMesh>& forearm)
-    : skin_(DrawnMesh::withDistances(gpu, hand.skin)) {
+    : skin_(RenderMesh::withDistances(gpu, hand.skin)) {
   if (forearm) forearm_.emplace(gpu, *forearm);
 }
 

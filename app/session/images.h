@@ -39,8 +39,8 @@ class DrawnHand {
   const DistanceGrid& grid() const { return skin_.grid(); }
 
  private:
-  DrawnMesh skin_;
-  std::optional<DrawnMesh> forearm_;
+  RenderMesh skin_;
+  std::optional<RenderMesh> forearm_;
 };
 
 /// Renders the clay on a ground, with the tracked hand.

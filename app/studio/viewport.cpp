@@ -15,9 +15,9 @@ constexpr double kRingAway = 1.06;  // relative to the clay's extent, so that sy
 /// 15 cm: the distance is not shown beyond this.
 constexpr double kFarthestGap = 0.15;
 /// Triangle budget of a software device at the cameras' rate; a triangle costs as much as a hundred pixels.
-constexpr DisplayDetail kMovingDetail = {.finer_points = 3'000, .coarser_points = 30'000};
+constexpr DisplayDetail kMovingDetail = {.refine_below_points = 3'000, .coarsen_above_points = 30'000};
 /// More are not distinguishable and would delay the first image of a movement.
-constexpr DisplayDetail kRestingDetail = {.coarser_points = 150'000};
+constexpr DisplayDetail kRestingDetail = {.coarsen_above_points = 150'000};
 constexpr int kMovingTaps = 8, kMovingShadowMap = 320, kMovingGround = 40;
 
 /// Everything that an image depends on.
@@ -151,13 +151,13 @@ Scene Viewport::sceneOf(const Session::ClayOnDevice& clay, const Snapshot& snaps
   const bool mirrored[3] = {settings.symmetry.x, settings.symmetry.y, settings.symmetry.z};
   for (int axis = 0; axis < 3; ++axis)
     if (mirrored[axis]) {
-      SceneStrokes ring = mirrorRing(axis, kRingAway * clay_reach_m_);
+      SceneStrokes ring = symmetryRing(axis, kRingAway * clay_reach_m_);
       ring.workspace_from_strokes = snapshot.workspace_from_clay;
       scene.strokes.push_back(std::move(ring));
     }
   if (settings.show_cage) {
     if (cage_structure_serial_ != clay.structure_serial) {
-      cage_edges_ = Buffer<std::uint32_t>(gpu_, edgeEnds(clay.structure.cage.faces));
+      cage_edges_ = Buffer<std::uint32_t>(gpu_, edgeIndices(clay.structure.cage.faces));
       cage_structure_serial_ = clay.structure_serial;
     }
     SceneStrokes cage;

@@ -12,23 +12,23 @@
 namespace airclay {
 namespace {
 
-/// A rigid body's part of its frame's arguments.
-struct Placed {
+/// A pose in the format of the kernels' arguments.
+struct RigidTransform {
   mat3 rotation;
   vec3 translation;
 };
-Placed placed(const Pose& workspace_from_mesh) {
+RigidTransform rigidTransform(const Pose& workspace_from_mesh) {
   return {workspace_from_mesh.linear().cast<float>(), workspace_from_mesh.translation().cast<float>()};
 }
 
-/// A buffer of at least `count` values; a new one, twice as large as needed, when it is too small.
+/// Replaces a buffer of fewer than `count` values with one of twice that size.
 template <class T>
 void grow(Gpu& gpu, Buffer<T>& buffer, std::size_t count, Memory memory) {
   if (buffer.count() < std::max<std::size_t>(count, 1))
     buffer = Buffer<T>(gpu, 2 * std::max<std::size_t>(count, 1), memory);
 }
 
-/// Depth 0 to 1 between the planes, y down, OpenCV's camera axes.
+/// Perspective projection for OpenCV camera axes: y down, depth 0 to 1 between the planes.
 Eigen::Matrix4d clipFromCamera(const View& view, double aspect, double near_m, double far_m) {
   const double focal = 1 / std::tan(0.5 * view.vertical_fov_rad);
   Eigen::Matrix4d clip = Eigen::Matrix4d::Zero();
@@ -42,7 +42,7 @@ Eigen::Matrix4d clipFromCamera(const View& view, double aspect, double near_m, d
   return clip;
 }
 
-/// The key light stands to the left of the eye, above, a little before what is seen.
+/// The key light is to the left of the eye, above and slightly in front of the scene.
 Vec3 keyDirection(const View& view) {
   Vec3 right = view.camera_from_workspace.linear().row(0).transpose();
   right.z() = 0;
@@ -57,14 +57,14 @@ Renderer::Renderer(Gpu& gpu, const RendererOptions& options) : gpu_(gpu), option
   if (options.width < 1 || options.height < 1 ||
       std::max(options.width, options.height) > RendererOptions::kMaxImage)
     throw Error("an image of " + std::to_string(options.width) + " x " + std::to_string(options.height) +
-                " pixels cannot be drawn; 1 to " + std::to_string(RendererOptions::kMaxImage) +
-                " along each side would be right");
+                " pixels cannot be drawn; expected 1 to " + std::to_string(RendererOptions::kMaxImage) +
+                " pixels per side");
   const auto width = static_cast<std::uint32_t>(options.width),
              height = static_cast<std::uint32_t>(options.height);
   const auto shadow = static_cast<std::uint32_t>(options.shadow_map);
   const std::uint32_t samples = options.multisample ? kSamples : 1;
   const ImageKind kind = options.readback ? ImageKind::kColor : ImageKind::kScreen;
-  pipelines_ = std::make_unique<Pipelines>(gpu, ImageContent{kind, samples});
+  pipelines_ = std::make_unique<Pipelines>(gpu, TargetFormat{kind, samples});
   color_ = Image(gpu, kind, width, height, samples);
   depth_ = Image(gpu, ImageKind::kDepth, width, height, samples);
   (options.multisample ? resolved_ : backdrop_) = Image(gpu, kind, width, height);
@@ -73,7 +73,7 @@ Renderer::Renderer(Gpu& gpu, const RendererOptions& options) : gpu_(gpu), option
   frame_ = Buffer<RenderFrame>(gpu, 1, Memory::kHost);
   if (options.readback) pixels_ = Buffer<std::uint32_t>(gpu, std::size_t(width) * height, Memory::kHost);
 
-  // the lit square of ground, from -1 to 1; the cells' edge grows from the middle outwards
+  // the ground's grid, from -1 to 1; cells grow from the middle outwards
   const auto side = static_cast<std::uint32_t>(options.ground_vertices);
   const auto place = [&](std::uint32_t i) {
     const float even = 2.0f * static_cast<float>(i) / static_cast<float>(side - 1) - 1;
@@ -98,9 +98,9 @@ std::span<const std::uint8_t> Renderer::bytes() const {
 }
 
 void Renderer::record(Recorder& recorder, const Scene& scene, const View& view) {
-  spent_triangles_ = 0;
+  submission_triangles_ = 0;
   prepare(scene);
-  aim(scene, view);
+  setTransforms(scene, view);
   writeFrame(scene);
   writeStrokes(scene);
 
@@ -110,17 +110,17 @@ void Renderer::record(Recorder& recorder, const Scene& scene, const View& view) 
   recordShadowMap(recorder, scene);
   recorder.stage("image: light");
   recordLights(recorder, scene);
-  endPart(recorder);
+  divideIfLarge(recorder);
   recorder.stage("image: draw");
   recordFrame(recorder, scene);
-  if (!options_.readback) endPart(recorder);  // a window goes on
+  if (!options_.readback) divideIfLarge(recorder);  // a window records more commands
 }
 
 void Renderer::prepare(const Scene& scene) {
   lit_meshes_.clear();
   const auto add = [&](const SurfaceBuffers& surface, const Pose& workspace_from_mesh) -> LitMesh& {
     if (!surface.positions || !surface.normals || !surface.triangles)
-      throw Error("a surface to draw lacks its positions, normals or triangles", Fault::kDevice);
+      throw Error("a surface to draw has no positions, normals or triangles", Fault::kDevice);
     LitMesh mesh;
     mesh.surface = surface;
     mesh.workspace_from_mesh = workspace_from_mesh;
@@ -133,8 +133,8 @@ void Renderer::prepare(const Scene& scene) {
     lit.shows_touch = mesh.shows_touch;
   }
   if (scene.hand) {
-    // the forearm first: where both lie, the hand's skin is seen
-    for (const DrawnMesh* part : {scene.hand->forearm, scene.hand->skin}) {
+    // the forearm first, so that the hand's skin is visible where both overlap
+    for (const RenderMesh* part : {scene.hand->forearm, scene.hand->skin}) {
       if (!part) continue;
       LitMesh& mesh = add(part->surface(), scene.hand->workspace_from_hand);
       mesh.albedo = scene.hand->albedo;
@@ -154,36 +154,36 @@ void Renderer::prepare(const Scene& scene) {
     voxels_ = std::make_unique<Voxels>(gpu_, *scene.voxels);
 }
 
-void Renderer::aim(const Scene& scene, const View& view) {
+void Renderer::setTransforms(const Scene& scene, const View& view) {
   const double edge_m = scene.workspace.edge_m;
   const double aspect = static_cast<double>(options_.width) / options_.height;
-  aim_.clip_from_workspace =
+  transforms_.clip_from_workspace =
       clipFromCamera(view, aspect, edge_m / 40, edge_m * 40) * view.camera_from_workspace.matrix();
-  aim_.eye = view.camera_from_workspace.inverse().translation();
-  aim_.key_direction = keyDirection(view);
+  transforms_.eye = view.camera_from_workspace.inverse().translation();
+  transforms_.key_direction = keyDirection(view);
 
-  // the shadow map holds the ball around the cube, and from far enough what stands out of it
-  aim_.light_radius_m = 0.87 * edge_m;
-  aim_.light_depth_m = 4 * edge_m;
-  const View from_light = lookAt(aim_.key_direction * 0.5 * aim_.light_depth_m, Vec3::Zero());
-  aim_.light_from_workspace = from_light.camera_from_workspace.matrix();
-  aim_.light_from_workspace.topRows<2>() /= aim_.light_radius_m;
-  aim_.light_from_workspace.row(2) /= aim_.light_depth_m;
+  // the shadow map covers the sphere around the cube, with a depth range for parts outside it
+  transforms_.light_radius_m = 0.87 * edge_m;
+  transforms_.light_depth_m = 4 * edge_m;
+  const View from_light = lookAt(transforms_.key_direction * 0.5 * transforms_.light_depth_m, Vec3::Zero());
+  transforms_.light_from_workspace = from_light.camera_from_workspace.matrix();
+  transforms_.light_from_workspace.topRows<2>() /= transforms_.light_radius_m;
+  transforms_.light_from_workspace.row(2) /= transforms_.light_depth_m;
 }
 
 void Renderer::writeFrame(const Scene& scene) {
   RenderFrame frame{};
   for (int row = 0; row < 3; ++row)
-    frame.light_row[row] = aim_.light_from_workspace.row(row).transpose().cast<float>();
-  frame.key_direction = aim_.key_direction.cast<float>();
+    frame.light_row[row] = transforms_.light_from_workspace.row(row).transpose().cast<float>();
+  frame.key_direction = transforms_.key_direction.cast<float>();
   frame.shadow_size = static_cast<std::uint32_t>(options_.shadow_map);
-  frame.shadow_texel_m = static_cast<float>(2 * aim_.light_radius_m / options_.shadow_map);
-  frame.shadow_depth_m = static_cast<float>(aim_.light_depth_m);
+  frame.shadow_texel_m = static_cast<float>(2 * transforms_.light_radius_m / options_.shadow_map);
+  frame.shadow_depth_m = static_cast<float>(transforms_.light_depth_m);
   frame.shadow_taps = static_cast<std::uint32_t>(options_.shadow_taps);
   frame.edge_m = static_cast<float>(scene.workspace.edge_m);
   if (scene.hand && scene.hand->skin && !scene.hand->skin->grid().values.empty()) {
     const DistanceGrid& grid = scene.hand->skin->grid();
-    const Placed hand = placed(scene.hand->workspace_from_hand.inverse());
+    const RigidTransform hand = rigidTransform(scene.hand->workspace_from_hand.inverse());
     frame.hand_from_workspace = hand.rotation;
     frame.workspace_in_hand = hand.translation;
     frame.grid_low_corner = grid.low_corner.cast<float>();
@@ -196,12 +196,12 @@ void Renderer::writeFrame(const Scene& scene) {
 void Renderer::writeStrokes(const Scene& scene) {
   std::size_t points = 0;
   for (const SceneStrokes& strokes : scene.strokes)
-    if (!strokes.points) points += strokes.own_points.size();
+    if (!strokes.points) points += strokes.host_points.size();
   grow(gpu_, stroke_points_, points, Memory::kHost);
   std::size_t at = 0;
   for (const SceneStrokes& strokes : scene.strokes)
     if (!strokes.points)
-      for (const Vec3& point : strokes.own_points) stroke_points_.host()[at++] = point.cast<float>();
+      for (const Vec3& point : strokes.host_points) stroke_points_.host()[at++] = point.cast<float>();
 
   grow(gpu_, capsules_, scene.capsules.size(), Memory::kHost);
   for (std::size_t i = 0; i < scene.capsules.size(); ++i) {
@@ -212,27 +212,28 @@ void Renderer::writeStrokes(const Scene& scene) {
   }
 }
 
-/// How much more the piece under way may draw: at least one triangle.
-std::uint32_t Renderer::room() const {
-  return options_.triangles_a_piece == 0 ? UINT32_MAX : options_.triangles_a_piece - spent_triangles_;
+/// The triangles that the current submission may still draw; at least one.
+std::uint32_t Renderer::remainingTriangles() const {
+  return options_.max_submission_triangles == 0 ? UINT32_MAX : options_.max_submission_triangles - submission_triangles_;
 }
 
-/// So many triangles, or vertices, were recorded; \pre at most room().
-void Renderer::spend(Recorder& recorder, std::uint32_t count) {
-  if (options_.triangles_a_piece == 0) return;
-  spent_triangles_ += count;
-  if (spent_triangles_ < options_.triangles_a_piece) return;
+/// Counts recorded triangles or vertices and divides the submission at the limit. \pre count <=
+/// remainingTriangles()
+void Renderer::countTriangles(Recorder& recorder, std::uint32_t count) {
+  if (options_.max_submission_triangles == 0) return;
+  submission_triangles_ += count;
+  if (submission_triangles_ < options_.max_submission_triangles) return;
   recorder.divide();
-  spent_triangles_ = 0;
+  submission_triangles_ = 0;
 }
 
-/// Between two passes a division costs nothing, inside of one what was drawn must be loaded again.
-void Renderer::endPart(Recorder& recorder) {
-  if (spent_triangles_ > options_.triangles_a_piece / 8) spend(recorder, room());
+/// Divides the submission between passes, which is free; within a pass, the image would have to be reloaded.
+void Renderer::divideIfLarge(Recorder& recorder) {
+  if (submission_triangles_ > options_.max_submission_triangles / 8) countTriangles(recorder, remainingTriangles());
 }
 
-/// The pass, as several where what it draws is more than a piece has room for.
-void Renderer::drawInPieces(Recorder& recorder, RenderPass pass, const std::vector<Draw>& draws) {
+/// Records the pass, divided into several if it draws more triangles than a submission may have.
+void Renderer::drawDivided(Recorder& recorder, RenderPass pass, const std::vector<Draw>& draws) {
   std::vector<Draw> piece;
   std::uint32_t triangles = 0;
   const auto end = [&] {
@@ -240,19 +241,19 @@ void Renderer::drawInPieces(Recorder& recorder, RenderPass pass, const std::vect
     pass.clear_color.reset();
     pass.clear_depth.reset();
     piece.clear();
-    spend(recorder, std::exchange(triangles, 0));
+    countTriangles(recorder, std::exchange(triangles, 0));
   };
   for (Draw rest : draws) {
-    while (rest.indices && rest.vertices / 3 > room() - triangles) {
+    while (rest.indices && rest.vertices / 3 > remainingTriangles() - triangles) {
       Draw part = rest;
-      part.vertices = 3 * (room() - triangles);
+      part.vertices = 3 * (remainingTriangles() - triangles);
       rest.first += part.vertices;
       rest.vertices -= part.vertices;
-      triangles = room();
+      triangles = remainingTriangles();
       piece.push_back(std::move(part));
       end();
     }
-    triangles = std::min(triangles + rest.vertices / 3, room());
+    triangles = std::min(triangles + rest.vertices / 3, remainingTriangles());
     piece.push_back(std::move(rest));
   }
   end();
@@ -261,7 +262,7 @@ void Renderer::drawInPieces(Recorder& recorder, RenderPass pass, const std::vect
 void Renderer::recordDensities(Recorder& recorder, const Scene& scene) {
   recorder.fill(areas_.raw(), 0);
   for (const LitMesh& mesh : lit_meshes_) {
-    const Placed place = placed(mesh.workspace_from_mesh);
+    const RigidTransform place = rigidTransform(mesh.workspace_from_mesh);
     RenderDensityArgs args{};
     args.positions = *mesh.surface.positions;
     args.areas = areas_;
@@ -272,9 +273,9 @@ void Renderer::recordDensities(Recorder& recorder, const Scene& scene) {
     const auto triangles = static_cast<std::uint32_t>(mesh.surface.triangles->count() / 3);
     for (std::uint32_t first = 0; first < triangles; first += args.triangle_count) {
       args.triangles = {mesh.surface.triangles->at(3 * first).address};
-      args.triangle_count = std::min(triangles - first, room());
+      args.triangle_count = std::min(triangles - first, remainingTriangles());
       recorder.dispatch(pipelines_->density, args, groupsFor(args.triangle_count, kRenderWorkgroup));
-      spend(recorder, args.triangle_count);
+      countTriangles(recorder, args.triangle_count);
     }
   }
   constexpr std::uint32_t kCoarsest = kDensityCells / 4;
@@ -283,23 +284,23 @@ void Renderer::recordDensities(Recorder& recorder, const Scene& scene) {
 }
 
 RenderMeshArgs Renderer::meshArgs(const LitMesh& mesh, bool from_light) const {
-  const Eigen::Matrix4d& clip = from_light ? aim_.light_from_workspace : aim_.clip_from_workspace;
+  const Eigen::Matrix4d& clip = from_light ? transforms_.light_from_workspace : transforms_.clip_from_workspace;
   const Pose mesh_from_workspace = mesh.workspace_from_mesh.inverse();
   RenderMeshArgs args{};
   args.positions = *mesh.surface.positions;
   args.normals = *mesh.surface.normals;
   if (!from_light) args.lights = {lights_.at(mesh.first_light).address};
   args.clip_from_mesh = (clip * mesh.workspace_from_mesh.matrix()).cast<float>();
-  args.eye = Vec3(mesh_from_workspace * aim_.eye).cast<float>();
-  args.key_direction = Vec3(mesh_from_workspace.linear() * aim_.key_direction).cast<float>();
+  args.eye = Vec3(mesh_from_workspace * transforms_.eye).cast<float>();
+  args.key_direction = Vec3(mesh_from_workspace.linear() * transforms_.key_direction).cast<float>();
   args.albedo = mesh.albedo;
   args.opacity = static_cast<float>(mesh.opacity);
   return args;
 }
 
 RenderCapsuleArgs Renderer::capsuleArgs(bool from_light) const {
-  const Eigen::Matrix4d& clip = from_light ? aim_.light_from_workspace : aim_.clip_from_workspace;
-  return {capsules_, clip.cast<float>(), aim_.eye.cast<float>(), aim_.key_direction.cast<float>()};
+  const Eigen::Matrix4d& clip = from_light ? transforms_.light_from_workspace : transforms_.clip_from_workspace;
+  return {capsules_, clip.cast<float>(), transforms_.eye.cast<float>(), transforms_.key_direction.cast<float>()};
 }
 
 void Renderer::recordShadowMap(Recorder& recorder, const Scene& scene) {
@@ -311,7 +312,7 @@ void Renderer::recordShadowMap(Recorder& recorder, const Scene& scene) {
                          static_cast<std::uint32_t>(scene.capsules.size())));
   if (scene.voxels)
     draws.push_back(drawCounted(pipelines_->shadow_voxels, voxelArgs(scene, true), voxels_->counts.raw()));
-  drawInPieces(recorder, {.depth = &shadow_image_, .clear_depth = 1.0f}, draws);
+  drawDivided(recorder, {.depth = &shadow_image_, .clear_depth = 1.0f}, draws);
   copyToBuffer(recorder, shadow_image_, shadow_map_.raw());
 }
 
@@ -328,13 +329,13 @@ void Renderer::recordLights(Recorder& recorder, const Scene& scene) {
       args.positions = {positions.at(first).address};
       args.normals = {normals.at(first).address};
       args.lights = {lights.at(first_light + first).address};
-      args.count = std::min(vertices - first, room());
+      args.count = std::min(vertices - first, remainingTriangles());
       recorder.dispatch(pipelines_->light, args, groupsFor(args.count, kRenderWorkgroup));
-      spend(recorder, args.count);
+      countTriangles(recorder, args.count);
     }
   };
   for (const LitMesh& mesh : lit_meshes_) {
-    const Placed place = placed(mesh.workspace_from_mesh);
+    const RigidTransform place = rigidTransform(mesh.workspace_from_mesh);
     args.hand_grid = {};
     if (has_grid && !mesh.is_hand) args.hand_grid = scene.hand->skin->gridValues();
     args.rotation = place.rotation;
@@ -372,10 +373,10 @@ void Renderer::addStrokes(std::vector<Draw>& draws, const Scene& scene, bool hid
   for (const SceneStrokes& strokes : scene.strokes) {
     RenderStrokeArgs args{};
     args.clip_from_strokes =
-        (aim_.clip_from_workspace * strokes.workspace_from_strokes.matrix()).cast<float>();
-    args.eye = Vec3(strokes.workspace_from_strokes.inverse() * aim_.eye).cast<float>();
+        (transforms_.clip_from_workspace * strokes.workspace_from_strokes.matrix()).cast<float>();
+    args.eye = Vec3(strokes.workspace_from_strokes.inverse() * transforms_.eye).cast<float>();
     args.viewport = vec2(static_cast<float>(options_.width), static_cast<float>(options_.height));
-    std::size_t ends = strokes.own_points.size();
+    std::size_t ends = strokes.host_points.size();
     if (strokes.points) {
       args.points = *strokes.points;
       ends = strokes.points->count();
@@ -405,7 +406,7 @@ RenderBackdropArgs Renderer::backdropArgs(const Scene& scene) const {
         Eigen::Translation3d(0, 0, *scene.ground_z_m) * Eigen::Scaling(half_m, half_m, 1.0);
     args.positions = ground_positions_;
     args.lights = {ground_lights_.at(0).address};
-    args.clip_from_ground = (aim_.clip_from_workspace * workspace_from_ground.matrix()).cast<float>();
+    args.clip_from_ground = (transforms_.clip_from_workspace * workspace_from_ground.matrix()).cast<float>();
   }
   args.top = scene.backdrop_top;
   args.bottom = scene.backdrop_bottom;
@@ -413,8 +414,8 @@ RenderBackdropArgs Renderer::backdropArgs(const Scene& scene) const {
   return args;
 }
 
-/// Into color_, before all else. It depends on nothing but its colours, so it is drawn once and then copied:
-/// on a software device that takes a tenth of the time.
+/// Fills color_ with the backdrop. The backdrop depends only on its colours, so it is drawn once and then copied,
+/// which takes a tenth of the time on a software device.
 void Renderer::recordBackdrop(Recorder& recorder, const Scene& scene) {
   if (scene.backdrop_top != backdrop_top_ || scene.backdrop_bottom != backdrop_bottom_) {
     const RenderPass pass{
@@ -428,7 +429,7 @@ void Renderer::recordBackdrop(Recorder& recorder, const Scene& scene) {
 
 void Renderer::recordFrame(Recorder& recorder, const Scene& scene) {
   std::vector<Draw> draws;
-  // what faces the eye first: it hides most of an open sheet's other side, which then costs nothing
+  // front faces first: they hide most back faces of an open surface, which then fail the depth test early
   for (const auto* side : {&pipelines_->clay, &pipelines_->clay_inside})
     for (const LitMesh& mesh : lit_meshes_)
       if (!mesh.is_hand && (mesh.open || side == &pipelines_->clay))
@@ -443,7 +444,7 @@ void Renderer::recordFrame(Recorder& recorder, const Scene& scene) {
   if (options_.multisample) draws.push_back(draw(pipelines_->backdrop, backdropArgs(scene), 3));
   addStrokes(draws, scene, true);
   addStrokes(draws, scene, false);
-  // the hand's nearest surface alone: its depth first, then its colour
+  // only the hand's nearest surface: its depth first, then its colour
   for (const LitMesh& mesh : lit_meshes_)
     if (mesh.is_hand)
       draws.push_back(drawIndexed(pipelines_->hand_depth, meshArgs(mesh, false), *mesh.surface.triangles));
@@ -458,7 +459,7 @@ void Renderer::recordFrame(Recorder& recorder, const Scene& scene) {
   } else {
     recordBackdrop(recorder, scene);
   }
-  drawInPieces(recorder, pass, draws);
+  drawDivided(recorder, pass, draws);
   if (options_.readback) copyToBuffer(recorder, image(), pixels_.raw());
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Images of the clay and what surrounds it, offscreen: a studio with a soft key light, a seamless backdrop,
-// a ground that catches shadows.
+// Offscreen images of the clay, the hand and the cameras in a studio: a soft key light, a seamless backdrop, and a
+// ground that receives shadows.
 //
 //     Renderer renderer(gpu, {.width = 1280, .height = 720});
 //     Scene scene;
@@ -10,7 +10,7 @@
 //     recorder.submitAndWait();
 //     renderer.pixels()
 //
-// All points and poses are in metres in the workspace's frame: the world moved to the workspace's centre.
+// All points and poses are in metres in the workspace frame: the world frame moved to the workspace's centre.
 #pragma once
 
 #include <memory>
@@ -31,18 +31,18 @@ struct RenderVoxelArgs;
 // ----------------------------------------------------------------------------------------------------------
 // views
 
-/// Where an image is taken from: a pinhole camera.
+/// A pinhole camera.
 struct View {
-  Pose camera_from_workspace = Pose::Identity();  ///< OpenCV's axes: x right, y down, z forward
+  Pose camera_from_workspace = Pose::Identity();  ///< OpenCV axes: x right, y down, z forward
   double vertical_fov_rad = 0.5;
-  /// Where the optical axis meets the image: from its middle to the right and down, in image heights.
+  /// The principal point relative to the image centre, right and down, in image heights.
   Vec2 axis_shift = Vec2::Zero();
 };
 
-/// From `eye` at `target`, z up (or y up when looking straight down or up).
+/// The view from `eye` towards `target`, z up (y up when looking straight down or up).
 View lookAt(const Vec3& eye, const Vec3& target, double vertical_fov_rad = 0.5);
 
-/// Around a target: azimuth from x towards y, elevation from the horizontal plane.
+/// A view around a target: azimuth from x towards y, elevation from the horizontal plane.
 struct Orbit {
   Vec3 target = Vec3::Zero();
   double azimuth_rad = -1.05, elevation_rad = 0.42, distance_m = 1.0;
@@ -50,12 +50,12 @@ struct Orbit {
 };
 View orbitView(const Orbit& orbit);
 
-/// Along -y, -x and -z, so that the workspace's cube fills the image's height.
+/// Views from -y, +x and +z, in which the workspace cube fills 90 % of the image's height.
 View frontView(const Workspace& workspace);
 View sideView(const Workspace& workspace);
 View topView(const Workspace& workspace);
 
-/// A rig camera's own view, without its lens' distortion; a fisheye is narrowed to what a pinhole can show.
+/// A rig camera's view without lens distortion; for a fisheye lens, limited to what a pinhole camera can show.
 View cameraView(const Camera& camera, const Workspace& workspace);
 
 Pose workspaceFromWorld(const Workspace& workspace);
@@ -63,30 +63,30 @@ Pose workspaceFromWorld(const Workspace& workspace);
 // ---------------------------------------------------------------------------------------------------------
 // scenes
 
-/// A surface in device memory: three indices a triangle, anticlockwise from outside; unit normals.
+/// A surface in device memory: three indices per triangle, counterclockwise seen from outside; unit normals.
 struct SurfaceBuffers {
   const Buffer<vec3>* positions = nullptr;
   const Buffer<vec3>* normals = nullptr;
   const Buffer<std::uint32_t>* triangles = nullptr;
 };
 
-/// A triangle mesh brought to the device to be drawn.
-class DrawnMesh {
+/// A triangle mesh uploaded for drawing.
+class RenderMesh {
  public:
-  /// Smooth, with vertexNormals(). Neighbouring triangles are stored close to each other.
-  DrawnMesh(Gpu& gpu, const TriangleMesh& mesh);
-  /// The same, with a signed distance grid around it, for the shadow of a near hand.
-  static DrawnMesh withDistances(Gpu& gpu, const TriangleMesh& mesh);
-  /// Every polygon flat: a subdivision's steps, a cage.
-  static DrawnMesh faceted(Gpu& gpu, const PolygonMesh& mesh);
+  /// Smooth shading, with vertexNormals(). Triangles are sorted so that adjacent ones are close in memory.
+  RenderMesh(Gpu& gpu, const TriangleMesh& mesh);
+  /// The same with a signed distance grid around the mesh, for the contact shadow of a hand.
+  static RenderMesh withDistances(Gpu& gpu, const TriangleMesh& mesh);
+  /// Flat shading, for cages and subdivision levels.
+  static RenderMesh faceted(Gpu& gpu, const PolygonMesh& mesh);
 
   SurfaceBuffers surface() const { return {&positions_, &normals_, &triangles_}; }
-  /// Empty values when there is none.
+  /// Without values if there is no grid.
   const DistanceGrid& grid() const { return grid_; }
   const Buffer<float>& gridValues() const { return grid_values_; }
 
  private:
-  DrawnMesh(Gpu& gpu, const TriangleMesh& mesh, const std::vector<Vec3>& normals);
+  RenderMesh(Gpu& gpu, const TriangleMesh& mesh, const std::vector<Vec3>& normals);
 
   Buffer<vec3> positions_, normals_;
   Buffer<std::uint32_t> triangles_;
@@ -94,23 +94,23 @@ class DrawnMesh {
   Buffer<float> grid_values_;
 };
 
-/// How fine clay is drawn, whatever its own levels.
+/// Limits of the subdivision levels that are drawn, independent of the clay's own levels.
 struct DisplayDetail {
-  int finer_points = 12'000;     ///< up to two steps finer, while there are at most so many points
-  int coarser_points = 1 << 30;  ///< with more than these it is coarser, by as many steps as there are
+  int refine_below_points = 12'000;    ///< up to two levels finer while the points do not exceed this
+  int coarsen_above_points = 1 << 30;  ///< coarser, down to level 1, while the points exceed this
 };
 
-/// The clay as it is drawn: subdivided further than its data points, so that no facet shows.
+/// The clay's surface for display, subdivided further than its data points so that no facets show.
 class DisplaySurface {
  public:
   DisplaySurface(Gpu& gpu, const PolygonMesh& cage, SubdivisionRule rule, int levels,
                  const DisplayDetail& detail = {});
 
-  /// Records the surface of control points in the workspace's frame, as engine/clay/clay.h has them.
+  /// Records the surface of these control points (clay frame, metres: Clay::controlPoints()).
   void record(Recorder& recorder, const Buffer<vec3>& control_points) {
     evaluator_.record(recorder, control_points);
   }
-  /// The same with a submission of its own, for control points in the world.
+  /// The same in a separate submission, for control points in the world frame, metres.
   void evaluate(const std::vector<Vec3>& control_points, const Workspace& workspace);
 
   SurfaceBuffers surface() const {
@@ -122,64 +122,65 @@ class DisplaySurface {
   SurfaceEvaluator evaluator_;
 };
 
-/// A colour given as on a screen (sRGB, 0 to 255), in linear light.
-vec3 fromScreen(int red, int green, int blue);
+/// Linear RGB of an sRGB colour (0 to 255).
+vec3 colorFromSrgb(int red, int green, int blue);
 
-/// Plasticine: a warm terracotta grey.
+/// The colour of plasticine: a warm terracotta grey.
 vec3 clayColor();
 vec3 skinColor();
 
-/// Something solid, the clay above all.
+/// An opaque mesh, such as the clay.
 struct SceneMesh {
   SurfaceBuffers surface;
   Pose workspace_from_mesh = Pose::Identity();
   vec3 albedo = clayColor();
-  bool open = true;         ///< an open sheet: lit on both sides
-  bool shows_touch = true;  ///< warm where the hand's skin is within 3 mm, or the hand inside
+  bool open = true;         ///< an open surface, lit on both sides
+  bool shows_touch = true;  ///< tinted where the hand's skin is within 3 mm or inside
 };
 
 struct SceneHand {
-  const DrawnMesh* skin = nullptr;
+  const RenderMesh* skin = nullptr;
   Pose workspace_from_hand = Pose::Identity();
-  const DrawnMesh* forearm = nullptr;  ///< optional, in the hand's frame
-  double opacity = 0.42;               ///< looked at straight on; 1 is solid
+  const RenderMesh* forearm = nullptr;  ///< optional; hand frame
+  double opacity = 0.42;                ///< at normal incidence; 1 is opaque
   vec3 albedo = skinColor();
 };
 
-/// Lines, two points each, or dots. Either from device memory or from here.
+/// Lines (two points each) or dots, from device or host memory.
 struct SceneStrokes {
   const Buffer<vec3>* points = nullptr;
-  const Buffer<std::uint32_t>* indices = nullptr;  ///< two a line, one a dot; none: all points in order
-  std::vector<Vec3> own_points;                    ///< when `points` is not given
+  const Buffer<std::uint32_t>* indices = nullptr;  ///< two per line, one per dot; null: all points in order
+  std::vector<Vec3> host_points;                   ///< used if `points` is null
   Pose workspace_from_strokes = Pose::Identity();
   vec3 color = vec3(0.02f, 0.02f, 0.025f);
-  double width_px = 2;  ///< at an image 720 pixels high; the dots' diameter
-  double hidden = 0;    ///< how much of it shows through what is before it
+  double width_px = 2;  ///< line width or dot diameter in an image 720 pixels high
+  double hidden = 0;    ///< opacity of parts that are occluded
   bool dots = false;
 };
 
-/// The cube's twelve edges.
+/// The twelve edges of the workspace cube.
 SceneStrokes cubeEdges(const Workspace& workspace);
-/// Where a plane of symmetry, through the origin across `axis`, meets a ball about it.
-SceneStrokes mirrorRing(int axis, double radius_m);
-/// The rig's cameras as pyramids with the given length.
+/// The circle in which the symmetry plane through the origin, perpendicular to `axis`, intersects a sphere around
+/// the origin.
+SceneStrokes symmetryRing(int axis, double radius_m);
+/// The rig's cameras as pyramids of the given length.
 SceneStrokes cameraFrusta(const Rig& rig, double length_m);
-/// The ends of a polygon mesh's edges, two an edge, each edge once.
-std::vector<std::uint32_t> edgeEnds(const std::vector<std::vector<int>>& faces);
-/// The edges of a polygon mesh in the world.
+/// Two point indices per edge of a polygon mesh, each edge once.
+std::vector<std::uint32_t> edgeIndices(const std::vector<std::vector<int>>& faces);
+/// The edges of a polygon mesh, which is in the world frame.
 SceneStrokes meshEdges(const PolygonMesh& mesh, const Workspace& workspace);
 
-/// A ball pulled along a link. Radius 0 at b is a cone.
+/// A capsule from a to b; with radius 0 at b, a cone.
 struct SceneCapsule {
   Vec3 a = Vec3::Zero(), b = Vec3::Zero();
   double radius_a_m = 0.003, radius_b_m = 0.003;
   vec3 albedo = vec3(0.7f, 0.66f, 0.58f);
 };
 
-/// The skeleton in its rest pose: links and joint balls.
+/// The skeleton in its rest pose: bones and joints.
 std::vector<SceneCapsule> skeletonCapsules(const HandModel& hand, const Pose& workspace_from_hand);
 
-/// What is in an image. What is pointed to must live until the recorded work is done.
+/// The content of an image. Pointers must stay valid until the recorded work is done.
 struct Scene {
   Workspace workspace;
   std::vector<SceneMesh> meshes;
@@ -188,8 +189,8 @@ struct Scene {
   vec3 voxel_albedo = vec3(0.20f, 0.33f, 0.42f);
   std::vector<SceneStrokes> strokes;
   std::vector<SceneCapsule> capsules;
-  std::optional<double> ground_z_m;  ///< height of the ground; none: no ground
-  vec3 backdrop_top = fromScreen(236, 233, 228), backdrop_bottom = fromScreen(206, 201, 195);
+  std::optional<double> ground_z_m;  ///< height of the ground; empty: no ground
+  vec3 backdrop_top = colorFromSrgb(236, 233, 228), backdrop_bottom = colorFromSrgb(206, 201, 195);
 };
 
 // -------------------------------------------------------------------------------------------------------
@@ -197,63 +198,62 @@ struct Scene {
 
 struct RendererOptions {
   int width = 1280, height = 720;  ///< pixels, at most kMaxImage
-  bool multisample = true;         ///< 4 samples a pixel: smooth edges
+  bool multisample = true;         ///< 4 samples per pixel
   int shadow_map = 1024;           ///< texels along an edge
-  int shadow_taps = 64;            ///< of the soft shadow's kernel
-  int ground_vertices = 64;        ///< along an edge: the ground's light is found at these
-  bool readback = true;            ///< pixels() is wanted; else a window copies image()
-  /// An image is divided where about so many triangles have been drawn, so that none of its submissions is
-  /// long; 0: it is one submission.
-  std::uint32_t triangles_a_piece = 0;
+  int shadow_taps = 64;            ///< samples of the soft shadow's filter
+  int ground_vertices = 64;        ///< along an edge; the ground's lighting is computed at these
+  bool readback = true;            ///< for pixels(); otherwise a window copies image()
+  /// Divides an image into submissions of about this many triangles, so that none takes long; 0: one submission.
+  std::uint32_t max_submission_triangles = 0;
 
   static constexpr int kMaxImage = 4096;
 
-  /// What a software device can keep up with.
+  /// Settings that a software device can draw in real time.
   static RendererOptions live(int width, int height) {
     return {.width = width,
             .height = height,
             .multisample = false,
             .shadow_map = 512,
             .shadow_taps = 16,
-            .triangles_a_piece = 30'000};
+            .max_submission_triangles = 30'000};
   }
 };
 
 class Renderer {
  public:
-  /// \throw Error when the size is out of bounds.
+  /// \throw Error if the size is out of bounds.
   Renderer(Gpu& gpu, const RendererOptions& options);
   ~Renderer();
 
-  /// Records the image of a scene; pixels() shows it when the recorded work is done. One image a
-  /// submission; a large one may divide it. \pre what was recorded before is done
+  /// Records the image of a scene; pixels() returns it once the recorded work is done. One image per submission; a
+  /// large one may divide it. \pre earlier recorded work is done
   void record(Recorder& recorder, const Scene& scene, const View& view);
 
   int width() const { return options_.width; }
   int height() const { return options_.height; }
-  /// The image itself, as large as the options say; ImageKind::kScreen when it is not to be read back.
+  /// The image, of the size in the options; its kind is ImageKind::kScreen without readback.
   Image& image() { return options_.multisample ? resolved_ : color_; }
-  /// RGBA, a word a pixel, red in the lowest byte, sRGB, rows from the top. \pre the recorded work is done
+  /// sRGB with alpha, one word per pixel, red in the lowest byte, rows from the top. \pre the recorded work is done
   std::span<const std::uint32_t> pixels() const { return pixels_.host(); }
   /// The same as bytes.
   std::span<const std::uint8_t> bytes() const;
-  /// How many voxels the last image drew. \pre the recorded work is done
-  std::uint32_t drawnVoxels() const;
+  /// The number of voxels in the last image. \pre the recorded work is done
+  std::uint32_t drawnVoxelCount() const;
 
  private:
   struct Pipelines;
   struct LitMesh;
   struct Voxels;
 
-  /// Where eye and key light stand; all in the workspace's frame.
-  struct Aim {
+  /// Eye and key light of the image being recorded, workspace frame.
+  struct Transforms {
     Eigen::Matrix4d clip_from_workspace, light_from_workspace;
-    Vec3 eye, key_direction;                       ///< the direction is towards the light
-    double light_radius_m = 0, light_depth_m = 0;  ///< of the ball that the shadow map holds; of its depth
+    Vec3 eye, key_direction;                       ///< key_direction: towards the light
+    double light_radius_m = 0, light_depth_m = 0;  ///< radius and depth range that the shadow map covers
   };
 
   void prepare(const Scene& scene);
-  void aim(const Scene& scene, const View& view);
+  void setTransforms(const Scene& scene, const View& view);
   void writeFrame(const Scene& scene);
   void writeStrokes(const Scene& scene);
   void recordVoxelList(Recorder& recorder, const Scene& scene);
@@ -262,10 +262,10 @@ class Renderer {
   void recordLights(Recorder& recorder, const Scene& scene);
   void recordBackdrop(Recorder& recorder, const Scene& scene);
   void recordFrame(Recorder& recorder, const Scene& scene);
-  std::uint32_t room() const;
-  void spend(Recorder& recorder, std::uint32_t count);
-  void endPart(Recorder& recorder);
-  void drawInPieces(Recorder& recorder, RenderPass pass, const std::vector<Draw>& draws);
+  std::uint32_t remainingTriangles() const;
+  void countTriangles(Recorder& recorder, std::uint32_t count);
+  void divideIfLarge(Recorder& recorder);
+  void drawDivided(Recorder& recorder, RenderPass pass, const std::vector<Draw>& draws);
   RenderMeshArgs meshArgs(const LitMesh& mesh, bool from_light) const;
   RenderCapsuleArgs capsuleArgs(bool from_light) const;
   RenderVoxelArgs voxelArgs(const Scene& scene, bool from_light) const;
@@ -274,7 +274,7 @@ class Renderer {
 
   Gpu& gpu_;
   RendererOptions options_;
-  Aim aim_;
+  Transforms transforms_;
   std::unique_ptr<Pipelines> pipelines_;
   Image color_, depth_, resolved_, backdrop_, shadow_image_;
   vec3 backdrop_top_ = vec3::Constant(-1), backdrop_bottom_ = vec3::Zero();  ///< colours in backdrop_
@@ -288,8 +288,8 @@ class Renderer {
   Buffer<vec3> stroke_points_;
   Buffer<RenderCapsule> capsules_;
   std::unique_ptr<Voxels> voxels_;
-  std::uint32_t spent_triangles_ = 0;  ///< since the image was begun or divided
-  std::vector<LitMesh> lit_meshes_;    ///< of the image being recorded: the hand's parts last
+  std::uint32_t submission_triangles_ = 0;  ///< since the start of the image or the last division
+  std::vector<LitMesh> lit_meshes_;         ///< of the image being recorded; the hand's parts last
   Buffer<std::uint32_t> pixels_;
 };
 

@@ -26,21 +26,21 @@
 namespace airclay {
 namespace {
 
-GraphicsOptions solid(const ImageContent& target) {
+GraphicsOptions solid(const TargetFormat& target) {
   GraphicsOptions options;
-  options.color_kind = target.image;
+  options.color_kind = target.kind;
   options.samples = target.samples;
   return options;
 }
 
-/// Only what faces the eye, or only what looks away.
-GraphicsOptions oneSide(const ImageContent& target, VkCullModeFlags culled) {
+/// Only front faces, or only back faces.
+GraphicsOptions oneSide(const TargetFormat& target, VkCullModeFlags culled) {
   GraphicsOptions options = solid(target);
   options.cull = culled;
   return options;
 }
 
-/// A depth map seen from the light.
+/// A depth map from the light's view.
 GraphicsOptions shadow() {
   GraphicsOptions options;
   options.has_color = false;
@@ -48,37 +48,37 @@ GraphicsOptions shadow() {
   return options;
 }
 
-GraphicsOptions blended(const ImageContent& target, std::uint32_t constant) {
+GraphicsOptions blended(const TargetFormat& target, std::uint32_t constant) {
   GraphicsOptions options = solid(target);
   options.blend = Blend::kAlpha;
   options.constants = {constant};
   return options;
 }
 
-/// Depth alone. Of a closed body: what looks away from the eye is never the nearest.
-GraphicsOptions depthOnly(const ImageContent& target) {
+/// Depth only. For closed bodies, whose back faces are never the nearest surface.
+GraphicsOptions depthOnly(const TargetFormat& target) {
   GraphicsOptions options = solid(target);
   options.blend = Blend::kDepthOnly;
   options.cull = VK_CULL_MODE_BACK_BIT;
   return options;
 }
 
-/// Over depthOnly()'s depth: what looks away from the eye is hidden by it anyway.
-GraphicsOptions skinOptions(const ImageContent& target, bool fades) {
+/// Drawn after depthOnly(), which already hides the back faces.
+GraphicsOptions skinOptions(const TargetFormat& target, bool fades) {
   GraphicsOptions options = blended(target, fades ? 1 : 0);
   options.cull = VK_CULL_MODE_BACK_BIT;
   options.depth_write = false;
   return options;
 }
 
-GraphicsOptions strokes(const ImageContent& target, bool dots, bool hidden) {
+GraphicsOptions strokes(const TargetFormat& target, bool dots, bool hidden) {
   GraphicsOptions options = blended(target, dots ? 1 : 0);
   options.depth_test = !hidden;
-  options.depth_write = false;  // their soft edges must not hide what is behind
+  options.depth_write = false;  // the soft edges must not occlude what is behind them
   return options;
 }
 
-/// Of the model's surface at most: a cube's is 6 N², a hand's at N = 128 about N²; more are left out.
+/// The most surface voxels that are drawn; the rest is omitted. A cube has 6 N², a hand at N = 128 about N².
 std::uint32_t voxelCapacity(int voxels) {
   const auto n = static_cast<std::uint32_t>(voxels);
   return 8 * n * n;
@@ -86,7 +86,7 @@ std::uint32_t voxelCapacity(int voxels) {
 
 }  // namespace
 
-Renderer::Pipelines::Pipelines(Gpu& gpu, const ImageContent& target)
+Renderer::Pipelines::Pipelines(Gpu& gpu, const TargetFormat& target)
     : density(gpu, "render_density", render_density_comp, {kRenderWorkgroup}),
       density_levels(gpu, "render_density_levels", render_density_levels_comp, {kRenderWorkgroup}),
       light(gpu, "render_light", render_light_comp, {kRenderWorkgroup}),
@@ -130,10 +130,10 @@ RenderVoxelArgs Renderer::voxelArgs(const Scene& scene, bool from_light) const {
   args.positions = voxels_->positions;
   if (!from_light) args.lights = {voxels_->lights.at(0).address};
   args.clip_from_workspace =
-      (from_light ? aim_.light_from_workspace : aim_.clip_from_workspace).cast<float>();
-  // the light is far away
-  args.eye = (from_light ? Vec3(1e3 * aim_.key_direction) : aim_.eye).cast<float>();
-  args.key_direction = aim_.key_direction.cast<float>();
+      (from_light ? transforms_.light_from_workspace : transforms_.clip_from_workspace).cast<float>();
+  // a light at a great distance
+  args.eye = (from_light ? Vec3(1e3 * transforms_.key_direction) : transforms_.eye).cast<float>();
+  args.key_direction = transforms_.key_direction.cast<float>();
   args.albedo = scene.voxel_albedo;
   args.voxel_m = static_cast<float>(scene.voxels->voxelMetres());
   return args;
@@ -166,7 +166,7 @@ void Renderer::recordVoxelList(Recorder& recorder, const Scene& scene) {
   recorder.dispatch(pipelines_->list_voxels, list, groups);
 }
 
-std::uint32_t Renderer::drawnVoxels() const {
+std::uint32_t Renderer::drawnVoxelCount() const {
   return voxels_ ? voxels_->counts.download()[0].instances : 0;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the renderer is made of; included by its sources alone.
+// Internals of the renderer; included only by its sources.
 #pragma once
 
 #include "engine/gpu/kernel.h"
@@ -8,13 +8,13 @@
 
 namespace airclay {
 
-/// What is drawn into.
-struct ImageContent {
-  ImageKind image = ImageKind::kColor;
+/// The format of the image that is drawn to.
+struct TargetFormat {
+  ImageKind kind = ImageKind::kColor;
   std::uint32_t samples = 1;
 };
 
-/// Everything that is compiled for the device.
+/// All compute and graphics pipelines.
 struct Renderer::Pipelines {
   Kernel<RenderDensityArgs> density;
   Kernel<RenderLevelArgs> density_levels;
@@ -28,10 +28,10 @@ struct Renderer::Pipelines {
   GraphicsPipeline<RenderBackdropArgs> ground, backdrop;
   GraphicsPipeline<RenderStrokeArgs> lines, dots, hidden_lines, hidden_dots;
 
-  Pipelines(Gpu& gpu, const ImageContent& target);
+  Pipelines(Gpu& gpu, const TargetFormat& target);
 };
 
-/// A mesh and its place in the buffer of lights.
+/// A mesh and its offset in the buffer of vertex lights.
 struct Renderer::LitMesh {
   SurfaceBuffers surface;
   Pose workspace_from_mesh = Pose::Identity();
@@ -41,7 +41,7 @@ struct Renderer::LitMesh {
   std::uint32_t first_light = 0;
 };
 
-/// The listed voxels of the model's surface.
+/// The list of the model's surface voxels.
 struct Renderer::Voxels {
   int voxels = 0;  ///< along the workspace's edge
   std::uint32_t bricks = 0, capacity = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Views, and what a scene is put together from.
+// Views and the parts of a scene.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -14,7 +14,7 @@ namespace {
 /// The pose of a camera at `eye` that looks along `forward`.
 Pose cameraPose(const Vec3& eye, const Vec3& forward) {
   const Vec3 ahead = forward.normalized();
-  // looking straight down, the image's upper edge is where y is large
+  // looking straight down, y points up in the image
   const Vec3 up = std::abs(ahead.z()) > 1 - 1e-9 ? Vec3::UnitY() : Vec3::UnitZ();
   const Vec3 right = ahead.cross(up).normalized();
   Pose workspace_from_camera = Pose::Identity();
@@ -23,7 +23,7 @@ Pose cameraPose(const Vec3& eye, const Vec3& forward) {
   return workspace_from_camera.inverse();
 }
 
-/// From far enough that the cube's front face fills nine tenths of the image's height.
+/// From a distance at which the cube's front face fills 90 % of the image's height.
 View alongAxis(const Workspace& workspace, const Vec3& from) {
   View view;
   view.vertical_fov_rad = 0.4;
@@ -32,8 +32,7 @@ View alongAxis(const Workspace& workspace, const Vec3& from) {
   return view;
 }
 
-/// Interleaves the bits of 10-bit coordinates, so that what is near in space is near in the order
-/// (Morton 1966).
+/// Interleaves the bits of 10-bit coordinates, so that points close in space are close in the order (Morton 1966).
 std::uint32_t mortonCode(const Vec3& unit) {
   std::uint32_t code = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -65,12 +64,12 @@ std::vector<vec3> inFloat(const std::vector<Vec3>& values) {
   return result;
 }
 
-/// The level that is worth drawing. Every step makes about four points of one.
+/// The level to draw. Each level has about four times the points of the previous one.
 int displayLevels(std::size_t control_points, int levels, const DisplayDetail& detail) {
   double points = static_cast<double>(control_points) * std::pow(4.0, levels);
   int drawn = levels;
-  for (; drawn > 1 && points > detail.coarser_points; --drawn) points /= 4;
-  for (; drawn >= levels && drawn < levels + 2 && 4 * points <= detail.finer_points; ++drawn) points *= 4;
+  for (; drawn > 1 && points > detail.coarsen_above_points; --drawn) points /= 4;
+  for (; drawn >= levels && drawn < levels + 2 && 4 * points <= detail.refine_below_points; ++drawn) points *= 4;
   return drawn;
 }
 
@@ -106,7 +105,7 @@ View topView(const Workspace& workspace) {
 View cameraView(const Camera& camera, const Workspace& workspace) {
   View view;
   view.camera_from_workspace = camera.camera_from_world * workspaceFromWorld(workspace).inverse();
-  // a pinhole cannot show 180°; 140° is stretched already
+  // a pinhole camera cannot show 180°, and 140° is already strongly stretched
   view.vertical_fov_rad = std::min(2 * std::atan(0.5 * camera.height / camera.lens.fy), 2.4);
   view.axis_shift =
       Vec2(camera.lens.cx - 0.5 * (camera.width - 1), camera.lens.cy - 0.5 * (camera.height - 1)) /
@@ -114,9 +113,9 @@ View cameraView(const Camera& camera, const Workspace& workspace) {
   return view;
 }
 
-DrawnMesh::DrawnMesh(Gpu& gpu, const TriangleMesh& mesh) : DrawnMesh(gpu, mesh, vertexNormals(mesh)) {}
+RenderMesh::RenderMesh(Gpu& gpu, const TriangleMesh& mesh) : RenderMesh(gpu, mesh, vertexNormals(mesh)) {}
 
-DrawnMesh::DrawnMesh(Gpu& gpu, const TriangleMesh& mesh, const std::vector<Vec3>& normals)
+RenderMesh::RenderMesh(Gpu& gpu, const TriangleMesh& mesh, const std::vector<Vec3>& normals)
     : positions_(gpu, inFloat(mesh.vertices)), normals_(gpu, inFloat(normals)) {
   std::vector<std::uint32_t> indices;
   for (const auto& triangle : inSpatialOrder(mesh))
@@ -124,21 +123,21 @@ DrawnMesh::DrawnMesh(Gpu& gpu, const TriangleMesh& mesh, const std::vector<Vec3>
   triangles_ = Buffer<std::uint32_t>(gpu, indices);
 }
 
-DrawnMesh DrawnMesh::withDistances(Gpu& gpu, const TriangleMesh& mesh) {
-  // 4 mm cells show a fingertip's roundness; the contact shadow is gone 4 cm away
+RenderMesh RenderMesh::withDistances(Gpu& gpu, const TriangleMesh& mesh) {
+  // 4 mm cells resolve a fingertip; the contact shadow ends at 4 cm
   constexpr double kCellM = 0.004, kMarginM = 0.04;
-  DrawnMesh drawn(gpu, mesh);
+  RenderMesh drawn(gpu, mesh);
   drawn.grid_ = signedDistanceGrid(mesh, kCellM, kMarginM);
   drawn.grid_values_ = Buffer<float>(gpu, drawn.grid_.values);
   return drawn;
 }
 
-DrawnMesh DrawnMesh::faceted(Gpu& gpu, const PolygonMesh& mesh) {
+RenderMesh RenderMesh::faceted(Gpu& gpu, const PolygonMesh& mesh) {
   TriangleMesh flat;
   std::vector<Vec3> normals;
   for (const std::vector<int>& face : mesh.faces) {
     const int first = static_cast<int>(flat.vertices.size()), corners = static_cast<int>(face.size());
-    Vec3 area = Vec3::Zero();  // Newell's: right for faces that are not plane
+    Vec3 area = Vec3::Zero();  // Newell's method, valid for non-planar faces
     for (int i = 0; i < corners; ++i) {
       const Vec3& a = mesh.points[static_cast<std::size_t>(face[static_cast<std::size_t>(i)])];
       const Vec3& b =
@@ -149,7 +148,7 @@ DrawnMesh DrawnMesh::faceted(Gpu& gpu, const PolygonMesh& mesh) {
     normals.insert(normals.end(), face.size(), area.normalized());
     for (int i = 1; i + 1 < corners; ++i) flat.triangles.push_back({first, first + i, first + i + 1});
   }
-  return DrawnMesh(gpu, flat, normals);
+  return RenderMesh(gpu, flat, normals);
 }
 
 DisplaySurface::DisplaySurface(Gpu& gpu, const PolygonMesh& cage, SubdivisionRule rule, int levels,
@@ -167,15 +166,15 @@ void DisplaySurface::evaluate(const std::vector<Vec3>& control_points, const Wor
   recorder.submitAndWait();
 }
 
-vec3 fromScreen(int red, int green, int blue) {
+vec3 colorFromSrgb(int red, int green, int blue) {
   return {linearFromSrgb(red), linearFromSrgb(green), linearFromSrgb(blue)};
 }
 
 vec3 clayColor() {
-  return fromScreen(kClayColor[0], kClayColor[1], kClayColor[2]);
+  return colorFromSrgb(kClayColor[0], kClayColor[1], kClayColor[2]);
 }
 vec3 skinColor() {
-  return fromScreen(208, 152, 128);
+  return colorFromSrgb(208, 152, 128);
 }
 
 SceneStrokes cubeEdges(const Workspace& workspace) {
@@ -189,22 +188,22 @@ SceneStrokes cubeEdges(const Workspace& workspace) {
           point[axis] = w;
           point[(axis + 1) % 3] = u;
           point[(axis + 2) % 3] = v;
-          strokes.own_points.push_back(point);
+          strokes.host_points.push_back(point);
         }
   strokes.color = vec3(0.12f, 0.12f, 0.13f);
   strokes.width_px = 1.4;
   return strokes;
 }
 
-SceneStrokes mirrorRing(int axis, double radius_m) {
+SceneStrokes symmetryRing(int axis, double radius_m) {
   constexpr int kChords = 96;
   SceneStrokes ring;
   for (int i = 0; i < 2 * kChords; ++i) {
-    const double angle = 2 * M_PI * ((i + 1) / 2) / kChords;  // each chord's two ends
+    const double angle = 2 * M_PI * ((i + 1) / 2) / kChords;  // both ends of each chord
     Vec3 point = Vec3::Zero();
     point[(axis + 1) % 3] = radius_m * std::cos(angle);
     point[(axis + 2) % 3] = radius_m * std::sin(angle);
-    ring.own_points.push_back(point);
+    ring.host_points.push_back(point);
   }
   ring.color = vec3(0.42f, 0.13f, 0.05f);
   ring.width_px = 1.6;
@@ -230,12 +229,12 @@ SceneStrokes cameraFrusta(const Rig& rig, double length_m) {
     for (std::size_t i = 0; i < 4; ++i)
       for (const Vec3& point :
            {workspace_from_camera.translation().eval(), corners[i], corners[i], corners[(i + 1) % 4]})
-        strokes.own_points.push_back(point);
+        strokes.host_points.push_back(point);
   }
   return strokes;
 }
 
-std::vector<std::uint32_t> edgeEnds(const std::vector<std::vector<int>>& faces) {
+std::vector<std::uint32_t> edgeIndices(const std::vector<std::vector<int>>& faces) {
   std::set<std::pair<int, int>> edges;
   for (const std::vector<int>& face : faces)
     for (std::size_t i = 0; i < face.size(); ++i)
@@ -248,8 +247,8 @@ std::vector<std::uint32_t> edgeEnds(const std::vector<std::vector<int>>& faces) 
 
 SceneStrokes meshEdges(const PolygonMesh& mesh, const Workspace& workspace) {
   SceneStrokes strokes;
-  for (const std::uint32_t end : edgeEnds(mesh.faces))
-    strokes.own_points.push_back(mesh.points[end] - workspace.center);
+  for (const std::uint32_t end : edgeIndices(mesh.faces))
+    strokes.host_points.push_back(mesh.points[end] - workspace.center);
   return strokes;
 }
 
@@ -260,12 +259,12 @@ std::vector<SceneCapsule> skeletonCapsules(const HandModel& hand, const Pose& wo
   };
   for (const Joint& joint : hand.joints) {
     const Vec3 at = place(joint);
-    const bool is_tip = joint.name.ends_with("-tip");  // on the skin: a ball there would stand out of it
-    if (!is_tip) capsules.push_back({at, at, 0.0052, 0.0052, fromScreen(205, 96, 62)});
+    const bool is_tip = joint.name.ends_with("-tip");  // tips are on the skin: a sphere there would protrude
+    if (!is_tip) capsules.push_back({at, at, 0.0052, 0.0052, colorFromSrgb(205, 96, 62)});
     if (joint.parent < 0) continue;
     const Vec3 from = place(hand.joints[static_cast<std::size_t>(joint.parent)]);
     const Vec3 to = is_tip ? Vec3(at - 0.005 * (at - from).normalized()) : at;
-    capsules.push_back({from, to, 0.0034, 0.0024, fromScreen(240, 232, 216)});
+    capsules.push_back({from, to, 0.0034, 0.0024, colorFromSrgb(240, 232, 216)});
   }
   return capsules;
 }

@@ -90,7 +90,7 @@ TriangleMesh plate(double half_m, double z_m) {
   return mesh;
 }
 
-SceneMesh solid(const DrawnMesh& mesh, const vec3& albedo = clayColor()) {
+SceneMesh solid(const RenderMesh& mesh, const vec3& albedo = clayColor()) {
   SceneMesh result;
   result.surface = mesh.surface();
   result.albedo = albedo;
@@ -104,7 +104,7 @@ View fromTheFront(double distance_m) {
 
 TEST(Renderer, ASpheresSilhouetteHasTheAreaOfItsCone) {
   const double radius_m = 0.1, distance_m = 0.6;
-  const DrawnMesh ball(testGpu(), sphere(Vec3::Zero(), radius_m));
+  const RenderMesh ball(testGpu(), sphere(Vec3::Zero(), radius_m));
   Scene scene;
   Painting painting({.width = 1000, .height = 800, .multisample = false});
   const View view = fromTheFront(distance_m);
@@ -133,7 +133,7 @@ TEST(Renderer, ACamerasViewShowsPointsWhereTheCameraProjectsThem) {
     dot.dots = true;
     dot.width_px = 24;
     dot.workspace_from_strokes = Eigen::Translation3d(0.1, -0.3, 0.2) * Eigen::AngleAxisd(2, Vec3::UnitY());
-    dot.own_points = {dot.workspace_from_strokes.inverse() * (point_in_world - rig.workspace.center)};
+    dot.host_points = {dot.workspace_from_strokes.inverse() * (point_in_world - rig.workspace.center)};
     scene.strokes = {dot};
     painting.paint(scene, view);
     Vec2 sum = Vec2::Zero();
@@ -151,7 +151,7 @@ TEST(Renderer, ACamerasViewShowsPointsWhereTheCameraProjectsThem) {
 }
 
 TEST(Renderer, ClayInShadowIsDarker) {
-  const DrawnMesh ground(testGpu(), plate(0.25, -0.1)), ball(testGpu(), sphere(Vec3(0, 0, 0.08), 0.05));
+  const RenderMesh ground(testGpu(), plate(0.25, -0.1)), ball(testGpu(), sphere(Vec3(0, 0, 0.08), 0.05));
   Scene scene;
   scene.meshes.push_back(solid(ground));
   const View view = lookAt(Vec3(0, -0.8, 0.8), Vec3::Zero());
@@ -172,7 +172,7 @@ TEST(Renderer, ClayInShadowIsDarker) {
 }
 
 TEST(Renderer, TheNearerSurfaceHidesTheFartherInAnyOrder) {
-  const DrawnMesh near(testGpu(), sphere(Vec3(0, -0.15, 0), 0.05)),
+  const RenderMesh near(testGpu(), sphere(Vec3(0, -0.15, 0), 0.05)),
       far(testGpu(), sphere(Vec3(0, 0.1, 0), 0.12));
   const vec3 red(0.6f, 0.02f, 0.02f), green(0.02f, 0.6f, 0.02f);
   for (const bool near_first : {true, false}) {
@@ -180,7 +180,7 @@ TEST(Renderer, TheNearerSurfaceHidesTheFartherInAnyOrder) {
     scene.meshes.push_back(near_first ? solid(near, red) : solid(far, green));
     scene.meshes.push_back(near_first ? solid(far, green) : solid(near, red));
     SceneStrokes hidden;  // runs between the balls, behind the near one
-    hidden.own_points = {Vec3(-0.02, -0.05, 0), Vec3(0.02, -0.05, 0)};
+    hidden.host_points = {Vec3(-0.02, -0.05, 0), Vec3(0.02, -0.05, 0)};
     hidden.color = vec3(0, 0, 1);
     hidden.width_px = 6;
     scene.strokes = {hidden};
@@ -195,8 +195,8 @@ TEST(Renderer, TheNearerSurfaceHidesTheFartherInAnyOrder) {
 }
 
 TEST(Renderer, TheClayIsSeenThroughTheHand) {
-  const DrawnMesh clay(testGpu(), sphere(Vec3(0, 0.1, 0), 0.12));
-  const DrawnMesh skin = DrawnMesh::withDistances(testGpu(), sphere(Vec3(0, -0.15, 0), 0.05));
+  const RenderMesh clay(testGpu(), sphere(Vec3(0, 0.1, 0), 0.12));
+  const RenderMesh skin = RenderMesh::withDistances(testGpu(), sphere(Vec3(0, -0.15, 0), 0.05));
   const auto middle = [&](const vec3& albedo, double opacity) {
     Scene scene;
     scene.meshes.push_back(solid(clay, albedo));
@@ -244,16 +244,16 @@ TEST(Renderer, AsManyVoxelsAreDrawnAsTheSurfaceHas) {
     const std::vector<std::uint32_t> empty = painting.paint(scene, fromTheFront(1)).pixels();
     scene.voxels = &carver;
     painting.paint(scene, fromTheFront(1));
-    EXPECT_EQ(painting.renderer().drawnVoxels(), surface);
+    EXPECT_EQ(painting.renderer().drawnVoxelCount(), surface);
     EXPECT_GT(differing(painting.pixels(), empty), 3000);
   }
 }
 
 /// Clay, hand, ground, strokes and capsules all together.
 struct Everything {
-  DrawnMesh clay{testGpu(), sphere(Vec3(0, 0, 0), 0.09)};
+  RenderMesh clay{testGpu(), sphere(Vec3(0, 0, 0), 0.09)};
   HandModel hand = builtInHand(false);
-  DrawnMesh skin = DrawnMesh::withDistances(testGpu(), hand.skin);
+  RenderMesh skin = RenderMesh::withDistances(testGpu(), hand.skin);
 
   Scene scene(const Pose& workspace_from_hand) const {
     Scene result;
@@ -291,9 +291,9 @@ TEST(Renderer, TheSameSceneGivesTheSameImageAndAnotherPoseAnother) {
 }
 
 TEST(Renderer, ANearHandDarkensTheClayThatItFaces) {
-  const DrawnMesh clay(testGpu(), plate(0.25, 0));
+  const RenderMesh clay(testGpu(), plate(0.25, 0));
   const TriangleMesh ball = sphere(Vec3::Zero(), 0.04);
-  const DrawnMesh skin = DrawnMesh::withDistances(testGpu(), ball);
+  const RenderMesh skin = RenderMesh::withDistances(testGpu(), ball);
   // from below, through the plate's back face, nothing stands between the eye and the clay
   const auto under = [&](double gap_m) {
     Scene scene;
@@ -314,8 +314,8 @@ TEST(Renderer, ANearHandDarkensTheClayThatItFaces) {
 
 TEST(Renderer, ClayIsWarmWhereTheHandTouchesItAndNowhereElse) {
   constexpr double kRadius = 0.04;
-  const DrawnMesh clay(testGpu(), plate(0.25, 0));
-  const DrawnMesh skin = DrawnMesh::withDistances(testGpu(), sphere(Vec3::Zero(), kRadius));
+  const RenderMesh clay(testGpu(), plate(0.25, 0));
+  const RenderMesh skin = RenderMesh::withDistances(testGpu(), sphere(Vec3::Zero(), kRadius));
   // a ball of skin over a plate: at r from its lowest point the plate is sqrt(r² + h²) - radius away from it.
   // Seen from below, where the plate hides the skin; how much redder than grey clay of the same light a point
   // is tells its tint.
@@ -359,17 +359,17 @@ TEST(Renderer, TheDisplaySurfaceIsTheSubdivisionOfTheCageFurtherOn) {
   for (std::size_t i = 0; i < points.size(); ++i)
     EXPECT_LT((points[i].cast<double>() + workspace.center - expected[i]).norm(), 1e-6);
   // no finer than asked for
-  DisplaySurface coarse(testGpu(), cage, SubdivisionRule::kPrinted, 2, {.finer_points = 400});
+  DisplaySurface coarse(testGpu(), cage, SubdivisionRule::kPrinted, 2, {.refine_below_points = 400});
   EXPECT_EQ(coarse.surface().positions->count(), 364u);
 }
 
 TEST(Renderer, ACoarserDisplaySurfaceIsASubdivisionOfFewerSteps) {
   const PolygonMesh cage = presetCage("tube");  // 28, 98, 364, 1400 points
   DisplayDetail detail;
-  detail.coarser_points = 500;
+  detail.coarsen_above_points = 500;
   const DisplaySurface coarse(testGpu(), cage, SubdivisionRule::kCatmullClark, 3, detail);
   EXPECT_EQ(coarse.surface().positions->count(), 364u);
-  detail.coarser_points = 20;  // one step is the least
+  detail.coarsen_above_points = 20;  // one step is the least
   const DisplaySurface coarsest(testGpu(), cage, SubdivisionRule::kCatmullClark, 3, detail);
   EXPECT_EQ(coarsest.surface().positions->count(), 98u);
 }
@@ -379,7 +379,7 @@ TEST(Renderer, TheBackdropIsTheSameDrawnOrCopied) {
   Painting drawn({.width = kWidth, .height = kHeight, .multisample = true}), copied;
   for (const int grey : {236, 236, 120}) {
     Scene scene;
-    scene.backdrop_top = fromScreen(grey, 233, 228);
+    scene.backdrop_top = colorFromSrgb(grey, 233, 228);
     EXPECT_EQ(differing(drawn.paint(scene, fromTheFront(1)).pixels(),
                         copied.paint(scene, fromTheFront(1)).pixels()),
               0);
@@ -387,8 +387,8 @@ TEST(Renderer, TheBackdropIsTheSameDrawnOrCopied) {
 }
 
 TEST(Renderer, AImageInPiecesIsTheSameImage) {
-  const DrawnMesh ball(testGpu(), sphere(Vec3(0.02, 0, 0), 0.1)), floor(testGpu(), plate(0.2, -0.12));
-  const DrawnMesh skin = DrawnMesh::withDistances(testGpu(), sphere(Vec3(0, -0.1, 0.05), 0.04));
+  const RenderMesh ball(testGpu(), sphere(Vec3(0.02, 0, 0), 0.1)), floor(testGpu(), plate(0.2, -0.12));
+  const RenderMesh skin = RenderMesh::withDistances(testGpu(), sphere(Vec3(0, -0.1, 0.05), 0.04));
   Scene scene;
   scene.ground_z_m = -0.2;
   scene.meshes = {solid(ball), solid(floor)};
@@ -398,7 +398,7 @@ TEST(Renderer, AImageInPiecesIsTheSameImage) {
   Painting whole(options);
   const std::vector<std::uint32_t> expected = whole.paint(scene, fromTheFront(0.8)).pixels();
   for (const std::uint32_t triangles : {1000u, 7001u, 30'000u, 300'000u}) {
-    options.triangles_a_piece = triangles;
+    options.max_submission_triangles = triangles;
     Painting pieces(options);
     EXPECT_EQ(differing(pieces.paint(scene, fromTheFront(0.8)).pixels(), expected), 0) << triangles;
     EXPECT_EQ(pieces.commands() > whole.commands(), triangles < 300'000) << triangles;
@@ -406,7 +406,7 @@ TEST(Renderer, AImageInPiecesIsTheSameImage) {
 }
 
 TEST(Renderer, GroundIsSeenWhereAShadowLiesOnIt) {
-  const DrawnMesh ball(testGpu(), sphere(Vec3(0, 0, 0.05), 0.05));
+  const RenderMesh ball(testGpu(), sphere(Vec3(0, 0, 0.05), 0.05));
   const auto image = [&](bool has_ground, bool has_ball) {
     Scene scene;
     if (has_ground) scene.ground_z_m = -0.1;
