@@ -27,7 +27,7 @@ struct Synthetic::Parts {
 
 Synthetic::Synthetic(Gpu& gpu, const SyntheticOptions& options)
     : parts_(std::make_unique<Parts>(gpu, options)) {
-  parts_->frame_count = static_cast<int>(std::ceil(options.script.endS() * options.rate_hz)) + 1;
+  parts_->frame_count = static_cast<int>(std::ceil(options.script.endSeconds() * options.rate_hz)) + 1;
   for (int frame = 0; frame < parts_->frame_count; ++frame) {
     const auto pose = options.script.at(timeOf(frame));
     if (pose)

@@ -8,7 +8,7 @@
 namespace airclay {
 namespace {
 
-/// Upright, looking from `eye` at the origin.
+/// camera_from_world of an upright camera at `eye` that looks at the origin.
 Pose cameraLookingFrom(const Vec3& eye) {
   const Vec3 forward = -eye.normalized();
   const Vec3 right = forward.cross(Vec3::UnitZ()).normalized();
@@ -25,7 +25,7 @@ Rig demoRig() {
     const char* name;
     double azimuth_degrees, distance_m, height_m, focal_pixels, k1, k2;
   };
-  // no two opposite each other: their silhouettes would be mirror images
+  // no two cameras are opposite each other: their silhouettes would be mirror images
   const Place places[] = {{"left", 155, 1.18, 0.45, 452, -0.105, 0.032},
                           {"front", 248, 1.22, 0.80, 461, -0.096, 0.027},
                           {"right", 338, 1.16, 0.30, 447, -0.112, 0.036},
@@ -56,7 +56,7 @@ std::vector<TriangleMesh> demoArm() {
 }
 
 DemoCameras::DemoCameras(Gpu& gpu, const GpuRig& rig) : sensor_(gpu, rig, demoArm()), recorder_(gpu) {
-  frame_count_ = static_cast<int>(std::ceil(script_.endS() * kDemoRateHz)) + 1;
+  frame_count_ = static_cast<int>(std::ceil(script_.endSeconds() * kDemoRateHz)) + 1;
   while (background_frames_ < frame_count_ && !pose(background_frames_)) ++background_frames_;
 }
 

@@ -6,8 +6,8 @@
 namespace airclay {
 namespace {
 
-/// The hand with its wrist at `wrist`, fingers along `fingers`, and the back of the hand to `back` (made
-/// perpendicular).
+/// world_from_hand with the wrist at `wrist`, the fingers along `fingers` and the back of the hand towards `back`
+/// (made perpendicular).
 Pose handPose(const Vec3& wrist, const Vec3& fingers, const Vec3& back) {
   const Vec3 x = fingers.normalized(), z = (back - x * x.dot(back)).normalized();
   Pose world_from_hand = Pose::Identity();
@@ -26,7 +26,7 @@ Pose along(const Pose& from, const HandMove& move, double t) {
   Pose pose = Pose::Identity();
   pose.linear() = a.slerp(s, b).toRotationMatrix();
   pose.translation() = (1 - s) * from.translation() + s * move.world_from_hand.translation() +
-                       16 * s * s * (1 - s) * (1 - s) * move.detour_m;
+                       16 * s * s * (1 - s) * (1 - s) * move.midpoint_offset_m;
   return pose;
 }
 
@@ -47,15 +47,15 @@ std::optional<Pose> HandScript::at(double time_s) const {
   return pose;
 }
 
-double HandScript::endS() const {
+double HandScript::endSeconds() const {
   double end_s = appears_s_;
   for (const HandMove& move : moves_) end_s += move.duration_s;
   return end_s;
 }
 
 HandScript demoScript() {
-  // The arm comes from -y. First the thumb is up and the palm faces the tube, which stands at its -x; the
-  // tube's radius is 8 cm, its rim 10 cm up.
+  // The arm comes from -y. At first the thumb is up and the palm faces the tube, which is on its -x side. The
+  // tube's radius is 8 cm; its rim is 10 cm above the centre.
   const Vec3 up = Vec3::UnitZ(), ahead = Vec3::UnitY(), aside = Vec3::UnitX();
   const Pose start = handPose({0.20, -0.24, 0.02}, ahead + 0.25 * aside - 0.1 * up, aside + 0.35 * up);
   const Pose beside = handPose({0.135, -0.150, -0.015}, ahead + 0.05 * aside, aside + 0.1 * up);

@@ -14,14 +14,14 @@
 namespace airclay {
 namespace {
 
-/// Towards the key light, in the world: high, to one side.
+/// The direction towards the key light, world: from above and one side.
 const Vec3 kKeyDirection = Vec3(0.36, -0.27, 0.9).normalized();
-/// The floor lies this many workspace edges below the cube's middle, lower still where a camera does.
+/// Distance of the floor below the cube's centre, in workspace edges; lower if a camera is below it.
 constexpr double kFloorBelow = 0.8;
-/// Spots of skin that cast the shadow, and the depth of all together where they coincide.
+/// The number of skin points that cast the shadow, and its total density where they coincide.
 constexpr std::size_t kShadowSpots = 128;
 constexpr double kShadowDepth = 3;
-/// Of the backdrop at once: about 10 ms on two cores.
+/// Backdrop pixels per submission: about 10 ms on two cores.
 constexpr std::uint32_t kBandPixels = 50'000;
 
 vec2 keySlope() {
@@ -29,7 +29,7 @@ vec2 keySlope() {
               static_cast<float>(kKeyDirection.y() / kKeyDirection.z()));
 }
 
-/// The rays through every kRayStep-th pixel; zero where no light arrives.
+/// The rays through every kRayStep-th pixel; zero where there is no ray.
 std::vector<vec3> raysOf(const Camera& camera) {
   const auto step = static_cast<int>(kRayStep);
   const auto lines = [step](int pixels) { return (pixels + step - 1) / step + 1; };
@@ -42,18 +42,18 @@ std::vector<vec3> raysOf(const Camera& camera) {
   return rays;
 }
 
-/// The noise table of sensor_io.h. Every channel is the quantiles of the normal distribution at (i + ½) /
-/// count, in an order of its own: a lattice rule (Korobov 1959), whose multiplier leaves channels a
-/// correlation of 3e-4.
+/// The noise table of sensor_io.h. Each channel contains the quantiles of the normal distribution at (i + ½) /
+/// count, in an order given by a lattice rule (Korobov 1959) whose multiplier leaves a correlation of 3e-4 between
+/// channels.
 std::vector<std::uint64_t> noiseTable() {
   constexpr std::uint64_t kCount = 1ull << kNoiseBits, kMultiplier = 6693;
-  std::vector<std::uint64_t> quantiles;  // as steps
+  std::vector<std::uint64_t> quantiles;  // quantized
   for (std::uint64_t i = 0; i < kCount; ++i) {
-    const double share = (double(i) + 0.5) / double(kCount);
+    const double probability = (double(i) + 0.5) / double(kCount);
     double low = -kNoiseReach, high = kNoiseReach;
     for (int step = 0; step < 40; ++step) {
       const double middle = 0.5 * (low + high);
-      (0.5 * std::erfc(-middle / std::sqrt(2.0)) < share ? low : high) = middle;
+      (0.5 * std::erfc(-middle / std::sqrt(2.0)) < probability ? low : high) = middle;
     }
     quantiles.push_back(static_cast<std::uint64_t>(std::lround((low / kNoiseReach + 1) / 2 * kNoiseSteps)));
   }
@@ -69,7 +69,7 @@ std::vector<std::uint64_t> noiseTable() {
 
 std::vector<double> openness(const TriangleMesh& mesh, const std::vector<Vec3>& normals) {
   const std::size_t count = mesh.vertices.size();
-  std::vector<double> area(count, 0.0);  // a third of each triangle's
+  std::vector<double> area(count, 0.0);  // a third of each adjoining triangle's area
   for (const auto& [a, b, c] : mesh.triangles) {
     const auto at = [&](int i) { return mesh.vertices[static_cast<std::size_t>(i)]; };
     const double third = (at(b) - at(a)).cross(at(c) - at(a)).norm() / 6;
@@ -82,11 +82,11 @@ std::vector<double> openness(const TriangleMesh& mesh, const std::vector<Vec3>& 
       const Vec3 away = mesh.vertices[j] - mesh.vertices[i];
       const double square = away.squaredNorm();
       if (square == 0) continue;
-      // the disc's form factor, when the two face each other
+      // the disc's form factor if the two face each other
       const double here = normals[i].dot(away), there = -normals[j].dot(away);
       if (here > 0 && there > 0) blocked += area[j] * here * there / (square * (M_PI * square + area[j]));
     }
-    open[i] = std::exp(-1.5 * blocked);  // discs that hide each other are counted twice: never below 0
+    open[i] = std::exp(-1.5 * blocked);  // stays above 0 although overlapping discs count twice
   }
   return open;
 }
@@ -103,7 +103,7 @@ Sensor::Sensor(Gpu& gpu, const GpuRig& rig, const std::vector<TriangleMesh>& mes
       backdrop_(gpu, 2 * std::size_t(rig.pixels())),
       shadow_(gpu, kShadowCells * kShadowCells),
       noise_(gpu, noiseTable()),
-      hand_(gpu, rig.pixels() + 3),  // read four at a time
+      hand_(gpu, rig.pixels() + 3),  // the kernel reads four pixels at a time
       images_(gpu, rig.imageWords(), Memory::kHost) {
   uploadMeshes(meshes);
   for (const Camera& camera : rig.rig().cameras) {
@@ -121,7 +121,7 @@ void Sensor::uploadMeshes(const std::vector<TriangleMesh>& meshes) {
     all.vertices.insert(all.vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
     for (const auto& [a, b, c] : mesh.triangles) all.triangles.push_back({first + a, first + b, first + c});
   }
-  if (all.triangles.empty()) throw Error("the synthetic cameras have no triangle to see");
+  if (all.triangles.empty()) throw Error("the synthetic cameras need at least one triangle to draw");
 
   const std::vector<Vec3> unit_normals = vertexNormals(all);
   const std::vector<double> open = openness(all, unit_normals);
@@ -156,7 +156,7 @@ void Sensor::bakeBackdrop() {
     workspace_from_camera.push_back(workspaceFromWorld() * camera.camera_from_world.inverse());
     const Vec3 eye = workspace_from_camera.back().translation();
     floor_z_ = std::min(floor_z_, eye.z() - 0.3 * edge_m);
-    // inside the rounding, too
+    // the cameras are inside the backdrop's curve too
     wall_radius_ = std::max(wall_radius_, 2 * eye.head<2>().norm());
   }
 
@@ -267,10 +267,10 @@ std::span<const std::uint8_t> Sensor::image(std::size_t camera) const {
 std::vector<double> Sensor::coverage(std::size_t camera) const {
   const GpuCamera& gpu_camera = rig_.camera(camera);
   const std::vector<std::uint32_t> rgba = hand_.download();
-  std::vector<double> shares;
+  std::vector<double> fractions;
   for (std::size_t i = 0; i < std::size_t(gpu_camera.width) * gpu_camera.height; ++i)
-    shares.push_back((rgba[gpu_camera.pixels_before + i] >> 24) / 255.0);
-  return shares;
+    fractions.push_back((rgba[gpu_camera.pixels_before + i] >> 24) / 255.0);
+  return fractions;
 }
 
 }  // namespace airclay

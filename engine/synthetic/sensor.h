@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Synthetic cameras: what a rig would see of a hand in a studio, through its own lenses, as bytes with noise.
+// Synthetic cameras: images of a hand in a studio as a rig's cameras would record them, with lens distortion and
+// noise.
 #pragma once
 
 #include <map>
@@ -12,32 +13,33 @@
 
 namespace airclay {
 
-/// What differs from frame to frame. The same values give the same bytes.
+/// Per-frame settings. Equal settings give identical bytes.
 struct SensorFrame {
-  std::uint32_t seed = 1, frame = 0;  ///< of the noise
-  double noise_sigma = 2.5;           ///< of 255: an ordinary camera indoors
-  double brightness = 1;              ///< of the whole image: 1.02 is 2 % brighter
+  std::uint32_t seed = 1, frame = 0;  ///< seeds of the noise
+  double noise_sigma = 2.5;           ///< standard deviation on a scale of 255: an ordinary camera indoors
+  double brightness = 1;              ///< factor for the whole image: 1.02 is 2 % brighter
 };
 
-/// Draws rigid meshes (a hand's skin, its forearm) before a cloth backdrop, in every camera of a rig.
+/// Draws rigid meshes (a hand's skin, a forearm) in front of a cloth backdrop, for every camera of a rig.
 class Sensor {
  public:
-  /// `meshes` are in the hand's frame and move together; triangles should be small beside the lens'
-  /// curvature (a centimetre is). `rig` must outlive this. \throw Error when there is no triangle.
+  /// `meshes` are in the hand frame, metres, and move together. Distortion is applied per vertex, so triangles
+  /// should be small (1 cm is). `rig` must outlive this. \throw Error if there are no triangles.
   Sensor(Gpu& gpu, const GpuRig& rig, const std::vector<TriangleMesh>& meshes);
 
-  /// Records a camera's image; without a pose the workspace is empty. Camera 0 comes first: its part makes
-  /// the shadow for all.
+  /// Records a camera's image; without a pose the workspace is empty. Record camera 0 first: it computes the shadow
+  /// for all cameras.
   void record(Recorder& recorder, std::size_t camera, const std::optional<Pose>& world_from_hand,
               const SensorFrame& frame);
-  /// Draws all cameras' images, a submission each, so that a software device finds time for others'.
+  /// Draws all cameras' images, one submission each, so that other threads' submissions can run in between.
   void draw(Recorder& recorder, const std::optional<Pose>& world_from_hand, const SensorFrame& frame);
 
-  /// The images, BGR, in GpuRig's layout, in memory that the host sees.
+  /// The images, BGR, in GpuRig's layout, in host-visible memory.
   const Buffer<std::uint32_t>& images() const { return images_; }
-  /// One camera's, BGR, 3 bytes a pixel, rows from the top. \pre the recorded work is done
+  /// One camera's image, BGR, 3 bytes per pixel, rows from the top. \pre the recorded work is done
   std::span<const std::uint8_t> image(std::size_t camera) const;
-  /// How much of each pixel the hand covers, 0 to 1, row by row. \pre the recorded work is done, with a pose
+  /// The fraction of each pixel that the hand covers, 0 to 1, row by row. \pre the recorded work is done, and had a
+  /// pose
   std::vector<double> coverage(std::size_t camera) const;
 
  private:
@@ -52,20 +54,20 @@ class Sensor {
   GraphicsPipeline<SensorMeshArgs> mesh_pipeline_;
   Kernel<ShadowArgs> shadow_kernel_;
   Kernel<ComposeArgs> compose_hand_, compose_empty_;
-  std::map<std::pair<std::uint32_t, std::uint32_t>, Canvas> canvases_;  ///< by the image's size
+  std::map<std::pair<std::uint32_t, std::uint32_t>, Canvas> canvases_;  ///< by image size
   Buffer<vec3> positions_, spots_;
   Buffer<vec4> normals_;
   Buffer<std::uint32_t> indices_;
-  Buffer<std::uint32_t> backdrop_;  ///< two words a pixel
+  Buffer<std::uint32_t> backdrop_;  ///< two words per pixel
   Buffer<float> shadow_;
   Buffer<std::uint64_t> noise_;
-  Buffer<std::uint32_t> hand_;  ///< RGBA of all cameras, one pixel a word
+  Buffer<std::uint32_t> hand_;  ///< RGBA of all cameras, one word per pixel
   Buffer<std::uint32_t> images_;
   double floor_z_ = 0, wall_radius_ = 0;  ///< metres, workspace frame
 };
 
-/// How open each vertex is to light from all around, 0 to 1, where the others are in the way (Bunnell 2005,
-/// "Dynamic Ambient Occlusion and Indirect Lighting", GPU Gems 2, chapter 14: every vertex a disc).
+/// The ambient visibility of each vertex, 0 (occluded) to 1, with every vertex as a disc (Bunnell 2005, "Dynamic
+/// Ambient Occlusion and Indirect Lighting", GPU Gems 2, chapter 14). `normals`: unit, one per vertex.
 std::vector<double> openness(const TriangleMesh& mesh, const std::vector<Vec3>& normals);
 
 }  // namespace airclay

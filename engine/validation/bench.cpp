@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Every stage by itself on the demo's own images, then the whole frame. Ours, and the peer where there is
-// one, run in turn, so that whatever else the machine does weighs on both.
+// Times each stage separately on the demo's images, then the whole frame. Runs of ours and of the peer alternate, so
+// that other load on the machine affects both.
 #include "engine/validation/bench.h"
 
 #include <Eigen/QR>
@@ -23,12 +23,12 @@ namespace {
 
 constexpr int kBackgroundFrames = 10;
 constexpr int kPressingFrame = 54;  // the hand is against the clay's side
-// Chosen so that all together take about a minute on two cores that do nothing else.
-constexpr int kLeastRepeats = 3, kMostRepeats = 60;
+// Chosen so that the whole benchmark takes about a minute on two idle cores.
+constexpr int kMinRepeats = 3, kMaxRepeats = 60;
 constexpr double kStageBudgetMs = 1200, kWarmUpMs = 100;
-constexpr std::size_t kMostFrames = 15;  // within the hand's first press
-// A reference that would take longer than a second or two is not timed.
-constexpr int kMostReferenceVoxels = 128;
+constexpr std::size_t kMaxFrames = 15;  // during the hand's first press
+// Above this, the reference takes longer than a second or two and is not timed.
+constexpr int kMaxReferenceVoxels = 128;
 
 template <class Work>
 double wallMs(Work work) {
@@ -43,7 +43,7 @@ double sumMs(const StageTimes& stage_ms) {
   return sum;
 }
 
-/// What is timed, and beside what. All but `name`, `work` and `record` may be left out.
+/// A stage to time. Only `name`, `work` and `record` are required.
 struct Stage {
   std::string name;
   double work = 0;
@@ -77,12 +77,12 @@ StageTiming timeStage(Gpu& gpu, const Stage& stage) {
   };
   const auto repeatFor = [&](double budget_ms, int at_least) {
     double spent_ms = 0;
-    for (int i = 0; i < at_least || (i < kMostRepeats && spent_ms < budget_ms); ++i)
+    for (int i = 0; i < at_least || (i < kMaxRepeats && spent_ms < budget_ms); ++i)
       spent_ms += wallMs(repeat);
   };
   repeatFor(kWarmUpMs, 1);
   gpu_ms.clear(), wall_ms.clear(), peer_ms.clear();
-  repeatFor(kStageBudgetMs, kLeastRepeats);
+  repeatFor(kStageBudgetMs, kMinRepeats);
 
   StageTiming timing{stage.name,      gpu.info().name, median(gpu_ms),
                      median(wall_ms), stage.work,      stage.work_unit};
@@ -94,7 +94,7 @@ StageTiming timeStage(Gpu& gpu, const Stage& stage) {
   return timing;
 }
 
-/// The demo's scene up to one frame's images and the learned background.
+/// The demo's scene with a learned background and one frame's images and masks.
 struct Scene {
   explicit Scene(Gpu& device)
       : gpu(device), gpu_rig(gpu, rig), cameras(gpu, gpu_rig), silhouettes(gpu, gpu_rig) {
@@ -164,10 +164,10 @@ StageTiming timeSilhouette(Scene& scene) {
   for (std::size_t c = 0; c < images.size(); ++c)
     for (std::size_t i = 0; i < scene.masks[c].pixels.size(); ++i)
       different += loop.masks()[c].pixels[i] != scene.masks[c].pixels[i];
-  // a score on a threshold may be rounded the other way, and shows up to two pixels away
+  // a score on a threshold may round differently, which affects pixels up to two away
   if (different > 100)
     throw Error("bench: the plain silhouettes differ from the kernels' in " + std::to_string(different) +
-                " pixels; a few on thresholds would be right (see airclay compare)");
+                " pixels; expected at most 100, on thresholds (see airclay compare)");
 
   Stage stage;
   stage.name = "silhouette";
@@ -185,7 +185,7 @@ StageTiming timeSilhouette(Scene& scene) {
 
 // --- carve ---
 
-/// \throw Error when the two differ other than at edge voxels.
+/// \throw Error if the two differ except at edge voxels.
 void checkSameVoxels(const Scene& scene, const VoxelGrid& carved, const CarveLoop& loop) {
   std::size_t different = 0, occupied = 0, index = 0;
   for (int z = 0; z < carved.voxels; ++z)
@@ -199,12 +199,13 @@ void checkSameVoxels(const Scene& scene, const VoxelGrid& carved, const CarveLoo
       }
   if (different > 0 || occupied == 0)
     throw Error(
-        "bench: of the plain loop's voxels " + std::to_string(different) +
-        " differ from the kernels' away from the silhouettes' edges; none should (see airclay compare)");
+        "bench: " + std::to_string(different) +
+        " voxels of the plain loop differ from the kernels' away from the silhouettes' edges; expected none (see "
+        "airclay compare)");
 }
 
-/// From the masks as the silhouettes leave them, a bit a pixel; and, for the smallest, from the loop's own
-/// bytes.
+/// Carves from the packed masks that the silhouette stage writes; if `from_bytes`, also from masks of one byte per
+/// pixel, as the loop does.
 void timeCarve(Scene& scene, int voxels, bool from_bytes, std::vector<StageTiming>& timings) {
   Carver carver(scene.gpu, scene.gpu_rig, voxels);
   CarveLoop loop(scene.rig, voxels);
@@ -214,7 +215,7 @@ void timeCarve(Scene& scene, int voxels, bool from_bytes, std::vector<StageTimin
   stage.work = std::pow(double(voxels), 3);
   stage.work_unit = "voxels";
   stage.record = [&](Recorder& recorder) { carver.record(recorder, packed); };
-  if (voxels <= kMostReferenceVoxels)
+  if (voxels <= kMaxReferenceVoxels)
     stage.reference = [&] { carveReference(scene.rig, scene.masks, voxels); };
   stage.peer_name = "plain loop, 2 threads";
   stage.peer = [&] { loop.run(scene.masks); };
@@ -240,7 +241,7 @@ void timeHand(Scene& scene, int voxels, std::vector<StageTiming>& timings) {
   Fitter fitter(scene.gpu, fitModel(scene.hand));
   const FitModel& model = fitter.model();
   const Workspace& workspace = scene.rig.workspace;
-  // as in tracking: the last pose, and the same motion once more
+  // as in tracking: the last pose, and the last motion repeated
   const Pose last = *scene.cameras.pose(kPressingFrame - 1), before = *scene.cameras.pose(kPressingFrame - 2);
   const std::vector<GpuFit> starts = {fitAt({last, {}}, model, workspace),
                                       fitAt({last * before.inverse() * last, {}}, model, workspace)};
@@ -271,8 +272,7 @@ void timeHand(Scene& scene, int voxels, std::vector<StageTiming>& timings) {
   timings.push_back(timeStage(scene.gpu, fit));
 }
 
-/// The first frame's search over all orientations: submissions of its own, with work on the host between
-/// them.
+/// The first frame's search over all orientations, which takes several submissions with host work in between.
 StageTiming timeSearch(Scene& scene, int voxels) {
   Carver carver(scene.gpu, scene.gpu_rig, voxels);
   HandTracker tracker(scene.gpu, scene.gpu_rig, scene.hand, carver);
@@ -299,7 +299,7 @@ std::vector<vec3> floats(const std::vector<Vec3>& doubles) {
 
 using Points = Eigen::Matrix<float, Eigen::Dynamic, 3>;
 
-/// Eq. (5) and the normals, of the tube subdivided `levels` times.
+/// Eq. (5) and the normals for the tube subdivided `levels` times.
 void timeSurface(Gpu& gpu, int levels, const std::string& suffix, std::vector<StageTiming>& timings) {
   const PolygonMesh cage = presetCage("tube");
   const Subdivision subdivision = subdivide(cage, levels, SubdivisionRule::kCatmullClark);
@@ -336,9 +336,9 @@ StageTiming timeSolve(Gpu& gpu) {
   ControlPointSolver solver(gpu, matrix);
   const AllRowsSolver reference(matrix);
   // a quarter of the points pressed in by a centimetre
-  std::vector<Vec3> wanted(std::size_t(matrix.rows()), Vec3::Zero());
-  for (std::size_t i = 0; i < wanted.size() / 4; ++i) wanted[i] = Vec3(-0.01, 0, 0);
-  const Buffer<vec3> displacements(gpu, floats(wanted)), control_points(gpu, floats(cage.points));
+  std::vector<Vec3> targets(std::size_t(matrix.rows()), Vec3::Zero());
+  for (std::size_t i = 0; i < targets.size() / 4; ++i) targets[i] = Vec3(-0.01, 0, 0);
+  const Buffer<vec3> displacements(gpu, floats(targets)), control_points(gpu, floats(cage.points));
   Buffer<double> exact_points(gpu, 3 * cage.points.size());
   std::vector<double> exact;
   for (const Vec3& point : cage.points) exact.insert(exact.end(), point.data(), point.data() + 3);
@@ -346,14 +346,14 @@ StageTiming timeSolve(Gpu& gpu) {
 
   const Eigen::MatrixXd inverse = Eigen::MatrixXd(matrix).completeOrthogonalDecomposition().pseudoInverse();
   Eigen::MatrixXd right_side(matrix.rows(), 3), moved(matrix.cols(), 3);
-  for (std::size_t i = 0; i < wanted.size(); ++i) right_side.row(Eigen::Index(i)) = wanted[i].transpose();
+  for (std::size_t i = 0; i < targets.size(); ++i) right_side.row(Eigen::Index(i)) = targets[i].transpose();
 
   Stage stage;
   stage.name = "solve";
   stage.work = double(matrix.cols());
   stage.work_unit = "control points";
   stage.record = [&](Recorder& r) { solver.record(r, displacements, exact_points, control_points); };
-  stage.reference = [&] { reference.controlDisplacements(matrix, wanted); };
+  stage.reference = [&] { reference.controlDisplacements(matrix, targets); };
   stage.peer_name = "Eigen, dense inverse";
   stage.peer = [&] { moved.noalias() = inverse * right_side; };
   return timeStage(gpu, stage);
@@ -365,8 +365,8 @@ ClayState tubeClay() {
   return options;
 }
 
-/// The deepest that any of the points lies in the hand; metres.
-double deepest(const DistanceGrid& hand, const Pose& world_from_hand, const FitModel& model,
+/// The largest depth of any of the points in the hand, metres.
+double maxDepth(const DistanceGrid& hand, const Pose& world_from_hand, const FitModel& model,
                const std::vector<Vec3>& points) {
   double depth = -1;
   for (const Vec3& point : points)
@@ -374,8 +374,8 @@ double deepest(const DistanceGrid& hand, const Pose& world_from_hand, const FitM
   return depth;
 }
 
-/// The hand comes from where it does not touch the clay to 3 mm deep: contact, solve and surface until it is
-/// out.
+/// Moves the hand in one step from outside the clay to 3 mm deep: contact, solve and surface, repeated until the clay is
+/// outside the hand.
 StageTiming timeClay(Scene& scene) {
   const FitModel model = fitModel(scene.hand);
   const DistanceGrid grid = contactGrid(scene.hand.skin);
@@ -384,8 +384,8 @@ StageTiming timeClay(Scene& scene) {
   const PolygonMesh cage = clay.cage(), surface = clay.surface();
   int away = scene.cameras.backgroundFrames(), deep = away;
   while (deep < scene.cameras.frameCount() &&
-         deepest(grid, *scene.cameras.pose(deep), model, surface.points) < 0.003) {
-    if (deepest(grid, *scene.cameras.pose(deep), model, surface.points) < 0) away = deep;
+         maxDepth(grid, *scene.cameras.pose(deep), model, surface.points) < 0.003) {
+    if (maxDepth(grid, *scene.cameras.pose(deep), model, surface.points) < 0) away = deep;
     ++deep;
   }
   Buffer<GpuHandPose> hand_at(scene.gpu, 1, Memory::kHost);
@@ -407,14 +407,15 @@ StageTiming timeClay(Scene& scene) {
   stage.record = [&](Recorder& r) { sculptor.record(r, hand_at); };
   StageTiming timing = timeStage(scene.gpu, stage);
   if (sculptor.step().touched == 0)
-    throw Error("bench: the hand did not touch the clay in frame " + std::to_string(deep) + "; it should");
+    throw Error("bench: the hand did not touch the clay in frame " + std::to_string(deep) +
+                "; expected contact");
   timing.work_unit = "data points, " + std::to_string(sculptor.step().repeats) + " repeats";
   return timing;
 }
 
 // --- the whole frame ---
 
-/// Pixels in memory to the new surface: the median over the frames in which the hand touches the clay.
+/// From pixels in memory to the new surface: the median over the frames in which the hand touches the clay.
 StageTiming timeFrame(Scene& scene, int voxels) {
   Pipeline pipeline(scene.gpu, scene.rig, scene.hand, {.voxels = voxels, .time_every = 3}, tubeClay());
   const auto show = [&](int frame) {
@@ -425,7 +426,7 @@ StageTiming timeFrame(Scene& scene, int voxels) {
     }
   };
   std::vector<double> gpu_ms, wall_ms;
-  for (int frame = 0; frame < scene.cameras.frameCount() && wall_ms.size() < kMostFrames; ++frame) {
+  for (int frame = 0; frame < scene.cameras.frameCount() && wall_ms.size() < kMaxFrames; ++frame) {
     show(frame);
     if (frame < scene.cameras.backgroundFrames()) {
       pipeline.learnBackground();
@@ -436,7 +437,7 @@ StageTiming timeFrame(Scene& scene, int voxels) {
     if (!result.stage_ms.empty()) gpu_ms.push_back(sumMs(result.stage_ms));
     wall_ms.push_back(result.frame_ms);
   }
-  if (gpu_ms.empty()) throw Error("bench: the demo's hand never touched the clay; the pipeline has lost it");
+  if (gpu_ms.empty()) throw Error("bench: the demo's hand never touched the clay; tracking was lost");
   return {"frame",         scene.gpu.info().name,          median(gpu_ms),
           median(wall_ms), double(scene.gpu_rig.pixels()), "pixels to surface"};
 }

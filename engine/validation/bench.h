@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How long each stage takes, beside its CPU reference and a peer: a plain implementation that one would write
-// first.
+// Times each stage, and compares it with its CPU reference and with a peer: a straightforward implementation.
 #pragma once
 
 #include <string>
@@ -13,10 +12,10 @@ namespace airclay {
 struct StageTiming {
   std::string name, device;
   double gpu_ms = 0, wall_ms = 0;  ///< medians
-  double work = 0;                 ///< done in one run, in `work_unit`
+  double work = 0;                 ///< amount processed in one run, in `work_unit`
   std::string work_unit;           ///< voxels, pixels, data points, …
-  double reference_ratio = 0;      ///< the CPU reference's time / ours; 0 where it was not measured
-  std::string peer;                ///< who the peer is; empty where there is none
+  double reference_ratio = 0;      ///< the CPU reference's time / ours; 0: not measured
+  std::string peer;                ///< the peer's name; empty if there is none
   double peer_ratio = 0;           ///< the peer's time / ours
 };
 
@@ -24,7 +23,7 @@ struct BenchOptions {
   int voxels = 128;  ///< along the workspace's edge
 };
 
-/// Each stage in the way of the data, and `frame`, the whole: peer and ours alternate in the same run.
+/// Times each stage in processing order, and `frame`, the whole frame. Runs of the peer and of ours alternate.
 std::vector<StageTiming> benchStages(Gpu& gpu, const BenchOptions& options = {});
 
 }  // namespace airclay

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kThreads = 2;
 
-/// Calls body(thread) for each of the threads, the last one here.
+/// Calls body(thread) on each thread; the last one is the calling thread.
 template <class Body>
 void onAllThreads(Body body) {
   std::thread other([&] { body(0); });
@@ -35,7 +35,7 @@ CarveLoop::CarveLoop(const Rig& rig, int voxels)
     const Lens& lens = camera.lens;
     const auto& k = lens.distortion;
     if (lens.model == LensModel::kFisheye || k[5] != 0 || k[6] != 0 || k[7] != 0)
-      throw Error("the carving loop of bench knows lenses of five coefficients, not that of camera " +
+      throw Error("bench's carving loop supports lenses of five coefficients, not the lens of camera " +
                   camera.name);
     View view{};
     view.origin = floats(camera.camera_from_world * voxelCenter(rig.workspace, voxels, 0, 0, 0));
@@ -61,7 +61,7 @@ CarveLoop::CarveLoop(const Rig& rig, int voxels)
 }
 
 void CarveLoop::run(const std::vector<Mask>& masks) {
-  // every second layer: halves would hold unequal shares of the hand
+  // alternating layers: contiguous halves would contain different amounts of the hand
   onAllThreads([&](int thread) { carveLayers(masks, thread, kThreads); });
 }
 
@@ -69,7 +69,7 @@ void CarveLoop::carveLayers(const std::vector<Mask>& masks, int first, int step)
   const std::size_t cameras = views_.size();
   std::vector<const std::uint8_t*> pixels;
   for (const Mask& mask : masks) pixels.push_back(mask.pixels.data());
-  std::vector<std::array<float, 3>> row(cameras);  // where the row's first voxel is in each camera
+  std::vector<std::array<float, 3>> row(cameras);  // the row's first voxel in each camera's frame
   for (int z = first; z < voxels_; z += step)
     for (int y = 0; y < voxels_; ++y) {
       for (std::size_t c = 0; c < cameras; ++c)
@@ -84,8 +84,7 @@ void CarveLoop::carveLayers(const std::vector<Mask>& masks, int first, int step)
         bool inside = true;
         for (std::size_t c = 0; c < cameras; ++c) {
           const View& view = views_[c];
-          // stepped from the row's first voxel, not from the last one: cameras behind the first miss need no
-          // step
+          // computed from the row's first voxel, so that cameras after the first miss need no step
           const float depth = row[c][2] + steps * view.along_x[2];
           if (depth <= 0) continue;
           const float nearness = 1 / depth;
@@ -137,13 +136,12 @@ void SilhouetteLoop::run(const std::vector<std::span<const std::uint8_t>>& image
 
 namespace {
 
-/// Pixels x0 <= x <= x1, y alike.
+/// Pixels x0 <= x <= x1 and y0 <= y <= y1.
 struct Box {
   int x0, y0, x1, y1;
 };
 
-/// Gathers the part, within the box, of pixels like the one at `start`; returns whether it touches the box's
-/// border.
+/// Collects the connected pixels in the box with the value at `start`; returns whether they touch the box's border.
 bool floodFill(const std::vector<std::uint8_t>& pixels, int width, const Box& box, int start,
                bool eight_connected, std::vector<std::uint8_t>& visited, std::vector<int>& part) {
   const std::uint8_t value = pixels[std::size_t(start)];
@@ -172,7 +170,7 @@ bool floodFill(const std::vector<std::uint8_t>& pixels, int width, const Box& bo
   return border;
 }
 
-/// The box around the part and one pixel more, as far as the image goes.
+/// The bounding box of the part, enlarged by one pixel within the image.
 Box boxAround(const std::vector<int>& part, int width, int height) {
   Box box{width - 1, height - 1, 0, 0};
   for (const int index : part) {
@@ -183,7 +181,7 @@ Box boxAround(const std::vector<int>& part, int width, int height) {
           std::min(box.y1 + 1, height - 1)};
 }
 
-/// Whether an object's pixel is the smear of an edge (EdgeArgs in silhouette_io.h).
+/// Whether an object pixel is edge blur (EdgeArgs in silhouette_io.h).
 bool isSmear(const std::vector<std::int8_t>& octaves, int width, int height, int x, int y) {
   const int i = y * width + x, own = octaves[std::size_t(i)];
   if (own >= 2) return false;
@@ -205,7 +203,7 @@ bool isSmear(const std::vector<std::int8_t>& octaves, int width, int height, int
 }
 
 void majorityOf(const std::vector<std::uint8_t>& from, int width, int height, std::vector<std::uint8_t>& to) {
-  std::vector<std::uint8_t> columns(std::size_t(width) + 2);  // sums of three rows, a zero at either end
+  std::vector<std::uint8_t> columns(std::size_t(width) + 2);  // sums of three rows, with a zero at both ends
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       const std::size_t i = std::size_t(y * width + x);
@@ -229,7 +227,7 @@ void SilhouetteLoop::segment(std::size_t camera, std::span<const std::uint8_t> b
   const int width = mask.width, height = mask.height, count = width * height;
   const BackgroundFloats* const background = backgrounds_[camera].data();
 
-  // how far each pixel differs from the background, in octaves (scoreReference)
+  // each pixel's difference from the background, in octaves (scoreReference)
   for (int i = 0; i < count; ++i) {
     const BackgroundFloats& e = background[i];
     const float b = bgr[std::size_t(3 * i)], g = bgr[std::size_t(3 * i + 1)], r = bgr[std::size_t(3 * i + 2)];
@@ -243,7 +241,7 @@ void SilhouetteLoop::segment(std::size_t camera, std::span<const std::uint8_t> b
     const float score = std::max(colour, brightness);
     s.octaves[std::size_t(i)] = std::int8_t((score >= 1) + (score >= 2) + (score >= 4) + (score >= 8) - 1);
   }
-  // few pixels are object: only they look around
+  // few pixels are object pixels, and only those need isSmear()
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const std::size_t i = std::size_t(y * width + x);
@@ -261,7 +259,7 @@ void SilhouetteLoop::segment(std::size_t camera, std::span<const std::uint8_t> b
   std::fill(mask.pixels.begin(), mask.pixels.end(), std::uint8_t(0));
   for (const int i : s.largest) mask.pixels[std::size_t(i)] = 255;
 
-  // holes lie within the part's box; background that reaches the box's border is outside
+  // holes are inside the part's box; background that reaches the box's border is outside
   std::fill(s.visited.begin(), s.visited.end(), std::uint8_t(0));
   const std::size_t largest_hole = largestHole(width);
   const Box box = boxAround(s.largest, width, height);

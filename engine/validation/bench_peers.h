@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The peers of `airclay bench`: what one would write first in plain C++, over two threads and in float, and
-// write well.
+// The peers of `airclay bench`: straightforward, well-written C++ in single precision on two threads.
 #pragma once
 
 #include "engine/hull/carve.h"
@@ -8,13 +7,13 @@
 
 namespace airclay {
 
-/// Carves voxel by voxel: along a row the position in each camera is stepped, projected with the lens'
-/// polynomials, and looked up in a mask of bytes; the first miss ends the voxel.
+/// Carves voxel by voxel: steps along a row in each camera's frame, projects with the lens polynomials, and looks up the
+/// byte mask; the first miss ends the voxel.
 class CarveLoop {
  public:
-  /// \throw Error for a fisheye or rational lens, which the loop does not know.
+  /// \throw Error for a fisheye or rational lens, which the loop does not support.
   CarveLoop(const Rig& rig, int voxels);
-  /// Masks of one byte a pixel, as they come: nothing is prepared from them. \pre sizes are the cameras'
+  /// Uses the masks without preprocessing. \pre each has its camera's size
   void run(const std::vector<Mask>& masks);
   bool at(int x, int y, int z) const {
     const std::size_t row = std::size_t(y) + std::size_t(voxels_) * std::size_t(z);
@@ -22,8 +21,7 @@ class CarveLoop {
   }
 
  private:
-  /// A camera as the loop needs it, in the frame of the voxel in the workspace's low corner, one voxel a
-  /// unit.
+  /// A camera whose world is measured in voxels, with the origin at voxel 0's centre.
   struct View {
     std::array<float, 3> origin, along_x, along_y, along_z;
     float fx, fy, cx, cy, k1, k2, p1, p2, k3, limit_square;
@@ -34,16 +32,15 @@ class CarveLoop {
   int voxels_;
   std::size_t row_words_;
   std::vector<View> views_;
-  std::vector<std::uint32_t> occupied_;  ///< a bit a voxel, rows along x in whole words
+  std::vector<std::uint32_t> occupied_;  ///< one bit per voxel; rows along x are whole words
 };
 
-/// The silhouette's steps, image by image: scores, edges, majority, the largest part and the holes by
-/// flood fill.
+/// The silhouette stage, image by image: scores, edges, majority; largest part and holes by flood fill.
 class SilhouetteLoop {
  public:
-  /// `backgrounds`: one model a camera.
+  /// `backgrounds`: one model per camera.
   SilhouetteLoop(const Rig& rig, const std::vector<std::vector<BackgroundPixel>>& backgrounds);
-  /// One tightly packed BGR image a camera.
+  /// `images`: one BGR image per camera, rows without padding.
   void run(const std::vector<std::span<const std::uint8_t>>& images);
   const std::vector<Mask>& masks() const { return masks_; }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Every kernel on the demo's own images, each beside its reference, from equal inputs: what a kernel is
-// given is what the kernels before it made, so that one fault shows in one row.
+// Runs every kernel on the demo's images and compares it with its reference for the same input, which is the output of
+// the preceding kernels. A wrong kernel therefore shows in one row only.
 #include "engine/validation/compare.h"
 
 #include <algorithm>
@@ -27,9 +27,9 @@ namespace {
 constexpr int kBackgroundFrames = 8;
 constexpr int kPressingFrame = 54;  // the hand is against the clay's side
 constexpr int kVoxels = 128;
-// The kernel subtracts squares of grey levels, up to 3 · 255², in float: scores nearer to a level may fall on
-// either side.
-constexpr double kNearLevel = 1e-4;
+// The kernel subtracts squares of grey levels, up to 3 · 255², in single precision: scores closer to a level than this
+// may fall on either side.
+constexpr double kLevelTolerance = 1e-4;
 
 class Comparisons {
  public:
@@ -44,8 +44,8 @@ class Comparisons {
   std::vector<KernelComparison> list_;
 };
 
-/// The larger of the two; NaN where one is, so that it doesn't pass.
-double larger(double a, double b) {
+/// The maximum; NaN if either is NaN, so that it does not pass.
+double maxOrNan(double a, double b) {
   return a >= b || std::isnan(a) ? a : b;
 }
 
@@ -81,7 +81,7 @@ BackgroundPixel backgroundPixel(std::uint32_t word) {
   return {Vec3(word & 255, word >> 8 & 255, word >> 16 & 255), kSpreadStep * (word >> 24)};
 }
 
-/// How far a stored value is from the exact one, beyond the rounding to whole steps.
+/// The difference between a stored and an exact value, beyond rounding to a whole step.
 double beyondRounding(double stored, double exact, double step) {
   return std::max(0.0, std::abs(stored - exact) - 0.5 * step);
 }
@@ -103,24 +103,24 @@ void compareBackground(Scene& scene, Comparisons& comparisons) {
     for (std::size_t i = 0; i < expected.size(); ++i) {
       const BackgroundPixel learned = backgroundPixel(model[scene.gpu_rig.camera(c).pixels_before + i]);
       for (int k = 0; k < 3; ++k)
-        error = larger(error, beyondRounding(learned.mean[k], expected[i].mean[k], 1));
-      const double spread = std::min(expected[i].spread, 255.0 * kSpreadStep);  // it is kept in a byte
-      error = larger(error, beyondRounding(learned.spread, spread, kSpreadStep));
+        error = maxOrNan(error, beyondRounding(learned.mean[k], expected[i].mean[k], 1));
+      const double spread = std::min(expected[i].spread, 255.0 * kSpreadStep);  // stored in a byte
+      error = maxOrNan(error, beyondRounding(learned.spread, spread, kSpreadStep));
     }
   }
   comparisons.add("background, grey levels", error, 1e-4);
 }
 
-/// Marks the pixels about one whose score is so near to a level that float and double may part.
+/// Marks the pixels around one whose score is so close to a level that single and double precision may disagree.
 void exemptAround(std::vector<char>& exempt, const Mask& mask, std::size_t pixel) {
-  // a level taken the other way shows in the neighbours, too (edges.comp)
+  // a different level also affects the neighbours (edges.comp)
   const int x = static_cast<int>(pixel) % mask.width, y = static_cast<int>(pixel) / mask.width;
   for (int v = std::max(y - kSmearReach, 0); v <= std::min(y + kSmearReach, mask.height - 1); ++v)
     for (int u = std::max(x - kSmearReach, 0); u <= std::min(x + kSmearReach, mask.width - 1); ++u)
       exempt[std::size_t(v * mask.width + u)] = 1;
 }
 
-/// Pixels of a camera's segmentation that differ from the reference's, away from the thresholds.
+/// The number of pixels in a camera's segmentation that differ from the reference away from thresholds.
 std::size_t differentlySegmented(const std::vector<std::uint8_t>& bgr, std::span<const std::uint32_t> model,
                                  const Mask& segmented) {
   std::vector<double> scores(segmented.pixels.size());
@@ -128,7 +128,7 @@ std::size_t differentlySegmented(const std::vector<std::uint8_t>& bgr, std::span
   for (std::size_t i = 0; i < scores.size(); ++i) {
     scores[i] = scoreReference(Vec3(bgr[3 * i], bgr[3 * i + 1], bgr[3 * i + 2]), backgroundPixel(model[i]));
     for (const double level : {1, 2, 4, 8})
-      if (std::abs(scores[i] - level) < kNearLevel * level) exemptAround(exempt, segmented, i);
+      if (std::abs(scores[i] - level) < kLevelTolerance * level) exemptAround(exempt, segmented, i);
   }
   const Mask expected = edgesReference(segmented.width, segmented.height, scores);
   std::size_t different = 0;
@@ -196,7 +196,7 @@ VoxelGrid compareHull(Scene& scene, Comparisons& comparisons) {
 
 // --- hand pose ---
 
-/// Poses about the true one, as the hand may have been a frame or some before. Workspace's frame.
+/// Poses around the true one, as in the preceding frames. Workspace frame.
 std::vector<GpuFit> startsAround(const Pose& truth, const FitModel& model, const Workspace& workspace) {
   std::vector<GpuFit> starts;
   for (int i = 0; i < 6; ++i) {
@@ -210,7 +210,7 @@ std::vector<GpuFit> startsAround(const Pose& truth, const FitModel& model, const
   return starts;
 }
 
-/// The largest differences in position (metres) and rotation (radians) of two lists of fits.
+/// The largest differences between two lists of fits: position and rotation (radians).
 struct FitDifference {
   double position_m = 0, rotation = 0;
 };
@@ -230,14 +230,14 @@ FitDifference compareFits(Scene& scene, const DistanceField& field, const FieldG
   for (std::size_t i = 0; i < starts.size(); ++i) {
     const GpuFit expected = fitReference(fitter.model(), distances, grid, starts[i], limits);
     const Vec3 apart_m = found[i].pose.position.cast<double>() - expected.pose.position.cast<double>();
-    difference.position_m = larger(apart_m.norm(), difference.position_m);
+    difference.position_m = maxOrNan(apart_m.norm(), difference.position_m);
     difference.rotation =
-        larger(rotationOf(found[i].pose).angularDistance(rotationOf(expected.pose)), difference.rotation);
+        maxOrNan(rotationOf(found[i].pose).angularDistance(rotationOf(expected.pose)), difference.rotation);
   }
   return difference;
 }
 
-/// The choice among hypotheses, exact: the first of the least, and whether it is to be believed.
+/// Compares the choice among hypotheses, exactly: the first minimum, and whether it counts as tracked.
 void compareChoice(Scene& scene, Comparisons& comparisons) {
   std::size_t different = 0;
   const Kernel<FitChooseArgs> choose(scene.gpu, "fit_choose", fit_choose_comp);
@@ -283,12 +283,12 @@ void compareHand(Scene& scene, const VoxelGrid& hull, Comparisons& comparisons) 
   const std::vector<double> expected = distanceReference(hull, grid);
   double error = 0;
   for (std::size_t i = 0; i < expected.size(); ++i)
-    error = larger(std::abs(distances[i] - expected[i]), error);
+    error = maxOrNan(std::abs(distances[i] - expected[i]), error);
   comparisons.add("distance, cells", error / grid.cell_m, 1e-5);
 
   const FitDifference step = compareFits(scene, field, grid, fitter, {1});
   comparisons.add("fit step, hand's radii and radians",
-                  larger(step.position_m / model.radius_m, step.rotation), 1e-5);
+                  maxOrNan(step.position_m / model.radius_m, step.rotation), 1e-5);
   const FitDifference pose = compareFits(scene, field, grid, fitter, {});
   comparisons.add("fit pose, mm", 1000 * pose.position_m, 0.1);
   comparisons.add("fit pose, degrees", 180 / M_PI * pose.rotation, 0.05);
@@ -309,12 +309,12 @@ std::vector<vec3> floats(const std::vector<Vec3>& doubles) {
   return result;
 }
 
-/// The largest difference, over the largest of the expected.
+/// The largest difference, relative to the largest expected value.
 double relativeError(const std::vector<Vec3>& found, const std::vector<Vec3>& expected) {
   double largest = 0, error = 0;
   for (std::size_t i = 0; i < expected.size(); ++i) {
     largest = std::max(expected[i].norm(), largest);
-    error = larger((found[i] - expected[i]).norm(), error);
+    error = maxOrNan((found[i] - expected[i]).norm(), error);
   }
   return error / largest;
 }
@@ -331,7 +331,7 @@ void compareSurface(Gpu& gpu, SubdivisionRule rule, const std::string& rule_name
   const std::vector<Vec3> points = doubles(evaluator.dataPoints().download());
   comparisons.add("subdivide, " + rule_name,
                   relativeError(points, dataPoints(subdivision.matrix, cage.points)), 1e-5);
-  // from the kernel's own points: a float's rounding of a position is a large part of a small quad
+  // from the kernel's points: rounding of positions matters for small quads
   comparisons.add(
       "normals, " + rule_name,
       relativeError(doubles(evaluator.normals().download()), dataNormals(subdivision.quads, points)), 1e-5);
@@ -347,11 +347,11 @@ void compareSolve(Gpu& gpu, Comparisons& comparisons) {
   std::vector<double> exact;
   for (const Vec3& point : cage.points) exact.insert(exact.end(), point.data(), point.data() + 3);
   const Buffer<double> exact_points(gpu, exact);
-  const Buffer<vec3> control_points(gpu, floats(cage.points)), wanted(gpu, displacements);
+  const Buffer<vec3> control_points(gpu, floats(cage.points)), targets(gpu, displacements);
   ControlPointSolver solver(gpu, matrix);
   Recorder recorder(gpu);
   recorder.begin();
-  solver.record(recorder, wanted, exact_points, control_points);
+  solver.record(recorder, targets, exact_points, control_points);
   recorder.submitAndWait();
   const std::vector<double> moved = exact_points.download();
   std::vector<Vec3> found;
@@ -373,8 +373,7 @@ ContactPoint doubleOf(const GpuContactPoint& point) {
           point.pushed};
 }
 
-/// The hand comes through the clay, which stays, frame by frame; each frame's check starts from the kernel's
-/// own last one.
+/// Moves the hand through fixed clay, frame by frame; each frame's check starts from the kernel's previous result.
 void compareContact(Scene& scene, Comparisons& comparisons) {
   const HandModel hand = builtInHand(false);
   const FitModel model = fitModel(hand);
@@ -403,24 +402,23 @@ void compareContact(Scene& scene, Comparisons& comparisons) {
     for (std::size_t i = 0; i < points.size(); ++i) {
       contactReference(grid, {start ? now : before, now, start, true}, rounded[i], points[i]);
       const double found_m = found[i].depth, expected_m = points[i].depth_m;
-      // a point that only grazes the hand may be reached by one and not by the other: then it is as deep as
-      // it is wrong
+      // a point that only grazes the hand may be touched by one and not by the other: then its depth is the error
       const double apart_m = found[i].state == points[i].state
                                  ? std::abs(found_m - expected_m)
                                  : std::max(std::abs(found_m), std::abs(expected_m));
-      error_m = larger(apart_m, error_m);
+      error_m = maxOrNan(apart_m, error_m);
       reached += points[i].state == kPointReached;
       points[i] = doubleOf(found[i]);
     }
     before = now;
   }
-  // nothing reached would be nothing compared
+  // without contact, nothing was compared
   comparisons.add("contact, mm", reached > 0 ? 1000 * error_m : NAN, 0.01);
 }
 
 // --- pull, smooth, symmetry ---
 
-/// The tube before the hand that presses it, and what its tools need.
+/// The tube with the pressing hand, and the inputs of the tools.
 struct ToolScene {
   explicit ToolScene(Scene& scene)
       : grid(contactGrid(builtInHand(false).skin)),
@@ -446,7 +444,7 @@ struct ToolScene {
   Buffer<GpuHandPose> hands;
 };
 
-/// Taken hold of at one pose, carried to another.
+/// Grips the clay at one pose and moves the hand to another.
 void compareGrip(Scene& scene, Comparisons& comparisons) {
   ToolScene tools(scene);
   const std::uint32_t mirrors = mirrorsOf({true, false, false});
@@ -468,14 +466,14 @@ void compareGrip(Scene& scene, Comparisons& comparisons) {
   for (std::size_t i = 0; i < held.size(); ++i) {
     const Vec3& point = tools.points[i];
     const std::uint32_t images = gripReference(tools.grid, gripped, mirrors, point);
-    const Vec3 nudge = Vec3::Constant(1e-5);  // who is within rounding of the reach may be held or not
+    const Vec3 nudge = Vec3::Constant(1e-5);  // points within rounding of the reach may be held or not
     const bool clear = images == gripReference(tools.grid, gripped, mirrors, point + nudge) &&
                        images == gripReference(tools.grid, gripped, mirrors, point - nudge);
     differ += clear && held[i].images != images;
     if (held[i].images == 0) continue;
     ++caught;
     const Vec3 target = gripTarget(gripped, tools.pose(), mirrors, held[i].images, point);
-    error_m = larger((lagging[i].lag.cast<double>() - (target - point)).norm(), error_m);
+    error_m = maxOrNan((lagging[i].lag.cast<double>() - (target - point)).norm(), error_m);
   }
   comparisons.add("pull, points held", differ, 0);
   comparisons.add("pull, mm", caught > 0 ? 1000 * error_m : NAN, 0.01);
@@ -489,7 +487,7 @@ void compareRelax(Scene& scene, Comparisons& comparisons) {
   tools.frame.setMirrors(mirrors);
   Relaxer relaxer(scene.gpu, tools.frame, tools.subdivision);
   constexpr float kStrength = 1;
-  for (int i = 0; i < 2; ++i) {  // the first tells only where the hand is
+  for (int i = 0; i < 2; ++i) {  // the first only sets the hand's pose
     scene.recorder.begin();
     tools.frame.recordBegin(scene.recorder, tools.hands, true);
     relaxer.record(scene.recorder, tools.data_points, device_normals, kStrength);
@@ -504,7 +502,7 @@ void compareRelax(Scene& scene, Comparisons& comparisons) {
   comparisons.add("smooth", relativeError(doubles(tools.frame.displacements().download()), expected), 1e-4);
 }
 
-/// A ball whose points were moved about, made symmetric again.
+/// Restores the symmetry of a ball whose points were perturbed.
 void compareSymmetry(Scene& scene, Comparisons& comparisons) {
   PolygonMesh cage = presetCage("ball");
   const SymmetryOrbits orbits = symmetryOrbits(cage, {true, true, true});
@@ -527,7 +525,7 @@ void compareSymmetry(Scene& scene, Comparisons& comparisons) {
   double error_m = orbits.points.empty() ? NAN : 0;
   for (std::size_t i = 0; i < cage.points.size(); ++i)
     error_m =
-        larger(error_m, (Vec3(exact[3 * i], exact[3 * i + 1], exact[3 * i + 2]) - cage.points[i]).norm());
+        maxOrNan(error_m, (Vec3(exact[3 * i], exact[3 * i + 1], exact[3 * i + 2]) - cage.points[i]).norm());
   comparisons.add("symmetry, mm", 1000 * error_m, 1e-9);
 }
 

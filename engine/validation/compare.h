@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Every kernel against its CPU reference, on the user's own device.
+// Compares every kernel with its CPU reference, on the user's device.
 #pragma once
 
 #include <string>
@@ -11,11 +11,11 @@ namespace airclay {
 
 struct KernelComparison {
   std::string name, device;
-  double error = 0, tolerance = 0;  ///< in the same unit, which the kernel's test explains
+  double error = 0, tolerance = 0;  ///< in the same unit, given in `name`
   bool pass = false;
 };
 
-/// Runs each kernel and its reference on the same input. A kernel that fails to run is an Error.
+/// Runs each kernel and its reference on the same input. \throw Error if a kernel fails to run
 std::vector<KernelComparison> compareKernels(Gpu& gpu);
 
 }  // namespace airclay

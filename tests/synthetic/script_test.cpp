@@ -13,7 +13,7 @@ constexpr double kTubeRadius = 0.08, kTubeTop = 0.1;  // metres: the preset `tub
 /// Calls `use(time, pose)` every 5 ms while the hand is there.
 template <class Use>
 void walk(const HandScript& script, Use use) {
-  for (double time_s = 0; time_s <= script.endS() + 0.2; time_s += 0.005)
+  for (double time_s = 0; time_s <= script.endSeconds() + 0.2; time_s += 0.005)
     if (const auto pose = script.at(time_s)) use(time_s, *pose);
 }
 
@@ -22,8 +22,8 @@ TEST(Script, TheHandAppearsAfterTheBackgroundAndStays) {
   EXPECT_FALSE(script.at(9.0 / 30));
   EXPECT_TRUE(script.at(10.0 / 30));
   EXPECT_TRUE(script.at(1000));
-  EXPECT_GT(script.endS(), 4.5);
-  EXPECT_LT(script.endS(), 6);
+  EXPECT_GT(script.endSeconds(), 4.5);
+  EXPECT_LT(script.endSeconds(), 6);
 }
 
 TEST(Script, IsAsSlowAndSmoothAsAHand) {
