@@ -44,7 +44,7 @@ TEST(DocumentFaults, RefusesANewerFormatAndLeavesItAlone) {
   Document::create(folder / "a.clay", tubeState());
   alter(folder / "a.clay", "PRAGMA user_version = 2");
   const std::string before = readWhole(folder / "a.clay", kMaxDocumentBytes);
-  expectRefused(folder / "a.clay", "was made by a newer Airclay (format 2; this one reads 1)");
+  expectRefused(folder / "a.clay", "was created by a newer Airclay (format 2; this version reads 1)");
   EXPECT_EQ(readWhole(folder / "a.clay", kMaxDocumentBytes), before);
 }
 
@@ -274,7 +274,7 @@ TEST(DocumentFaults, AReadOnlyFileOrFolderIsSaidWhenItIsOpened) {
     }
     expectOneLine(message, file, expected);
     if (folder_rights == 0555)
-      expectOneLine(new_message, file.parent_path() / "b.clay", "Permission denied; name a file in a folder");
+      expectOneLine(new_message, file.parent_path() / "b.clay", "Permission denied; use a file in a writable folder");
     fs::permissions(file.parent_path(), fs::perms(0755));
     fs::remove(file.parent_path() / "b.clay");
   };
