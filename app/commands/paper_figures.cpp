@@ -177,7 +177,8 @@ RgbaImage coordinateSystem(Gpu& gpu, const HandModel& hand) {
   const double alpha_rad = 0.62;
   const Pose target = turned(lying, Vec3::Zero(), Vec3(0, 0, alpha_rad), d);
 
-  const vec3 red = colorFromSrgb(200, 64, 52), green = colorFromSrgb(78, 146, 70), blue = colorFromSrgb(54, 100, 186);
+  const vec3 red = colorFromSrgb(200, 64, 52), green = colorFromSrgb(78, 146, 70),
+             blue = colorFromSrgb(54, 100, 186);
   const vec3 dark = colorFromSrgb(52, 54, 60), ivory = colorFromSrgb(214, 206, 192);
   Scene scene;
   SceneHand translucent;
@@ -199,7 +200,7 @@ RgbaImage coordinateSystem(Gpu& gpu, const HandModel& hand) {
   addArc(scene.capsules, d, Vec3::UnitZ(), Vec3(0.085, 0, 0), alpha_rad, dark);
   SceneStrokes unturned;  // the direction α = 0
   unturned.host_points = {d, d + Vec3(0.1, 0, 0), d,
-                         d + 0.1 * Vec3(std::cos(alpha_rad), std::sin(alpha_rad), 0)};
+                          d + 0.1 * Vec3(std::cos(alpha_rad), std::sin(alpha_rad), 0)};
   unturned.color = dark;
   unturned.width_px = 1.6;
   scene.strokes.push_back(unturned);

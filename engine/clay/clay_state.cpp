@@ -14,12 +14,13 @@ void checkClayState(const ClayState& state, const std::string& where) {
                 std::to_string(kMaxStateLevels));
   const std::vector<Vec3>& points = state.cage.points;
   if (points.size() > kMaxStatePoints)
-    throw Error(where + ": " + std::to_string(points.size()) + " control points are too many; expected at most " +
-                std::to_string(kMaxStatePoints));
+    throw Error(where + ": " + std::to_string(points.size()) +
+                " control points are too many; expected at most " + std::to_string(kMaxStatePoints));
   if (points.size() > std::size_t(state.solve->max_control_points))
     throw Error(where + ": " + std::to_string(points.size()) +
-                " control points are too many for the solve '" + state.solve->id + "', which supports at most " +
-                std::to_string(state.solve->max_control_points) + "; use the solve '" + kSolveTouched.id + "'");
+                " control points are too many for the solve '" + state.solve->id +
+                "', which supports at most " + std::to_string(state.solve->max_control_points) +
+                "; use the solve '" + kSolveTouched.id + "'");
   for (std::size_t i = 0; i < points.size(); ++i)
     if (!points[i].allFinite())
       throw Error(where + ": control point " + std::to_string(i + 1) +

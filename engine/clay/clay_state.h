@@ -16,8 +16,8 @@ struct ClayState {
   SubdivisionRule rule = SubdivisionRule::kCatmullClark;
   int levels = 2;
   const SolveMethod* solve = &kSolveAll;
-  /// The clay frame in the workspace frame. Only the symmetry planes depend on it, which rotate with the clay;
-  /// `cage` is in the world frame.
+  /// The clay frame in the workspace frame. Only the symmetry planes depend on it, which rotate with the
+  /// clay; `cage` is in the world frame.
   Eigen::Quaterniond workspace_from_clay = Eigen::Quaterniond::Identity();
 };
 
@@ -26,8 +26,8 @@ inline constexpr std::size_t kMaxStatePoints = 5'000'000;    ///< the limit of r
 inline constexpr std::size_t kMaxStateCorners = 20'000'000;  ///< of all faces: as many quads as points
 
 /// \throw Error starting with `where` (a file, a command) if the cage is invalid (engine/mesh/manifold.h) or
-/// exceeds the limits above, a coordinate is not finite, `levels` is not 1 to kMaxStateLevels, the rotation is
-/// not a unit quaternion, or there are more control points than `solve` supports.
+/// exceeds the limits above, a coordinate is not finite, `levels` is not 1 to kMaxStateLevels, the rotation
+/// is not a unit quaternion, or there are more control points than `solve` supports.
 void checkClayState(const ClayState& state, const std::string& where);
 
 /// Whether both are bit for bit equal.

@@ -3,9 +3,9 @@
 // "Defense Against The Dark Arts" (https://sqlite.org/security.html).
 //
 // Uses a rollback journal instead of write-ahead logging: between two edits, FILE.clay alone is the whole
-// document, even after a crash, so it can be copied, mailed and backed up while it is open. Write-ahead logging
-// would save three of four syncs per edit (measured: 1.4 ms instead of 4 ms), but leave finished edits in a
-// second file that users lose.
+// document, even after a crash, so it can be copied, mailed and backed up while it is open. Write-ahead
+// logging would save three of four syncs per edit (measured: 1.4 ms instead of 4 ms), but leave finished
+// edits in a second file that users lose.
 #include "engine/clay/database.h"
 
 #include <fcntl.h>
@@ -248,8 +248,8 @@ Transaction::Transaction(Database& database) : database_(database) {
 }
 
 Transaction::~Transaction() {
-  // After some errors SQLite has already rolled back. If the rollback fails, SQLite repeats it when the file is
-  // next opened.
+  // After some errors SQLite has already rolled back. If the rollback fails, SQLite repeats it when the file
+  // is next opened.
   if (!sqlite3_get_autocommit(database_.get()))
     sqlite3_exec(database_.get(), "ROLLBACK", nullptr, nullptr, nullptr);
 }

@@ -15,10 +15,10 @@ struct sqlite3_stmt;
 
 namespace airclay {
 
-/// A database file, locked exclusively from lock() until destruction. Uses a rollback journal with full syncs:
-/// a committed transaction is on the disk, an uncommitted one leaves no trace.
-/// Every function throws Error, starting with the file's name, if the file is not a database, is damaged or
-/// truncated, is open elsewhere, or cannot be read or written, or if the disk is full.
+/// A database file, locked exclusively from lock() until destruction. Uses a rollback journal with full
+/// syncs: a committed transaction is on the disk, an uncommitted one leaves no trace. Every function throws
+/// Error, starting with the file's name, if the file is not a database, is damaged or truncated, is open
+/// elsewhere, or cannot be read or written, or if the disk is full.
 class Database {
  public:
   /// Opens an existing file, which is not trusted: its triggers and views do not run, and values above
@@ -39,8 +39,8 @@ class Database {
   /// \throw Error if the file was renamed or deleted, so that further writes would be lost.
   void checkNotMoved() const;
 
-  /// Copies the database, without deleted rows, to a new file and syncs it. \throw Error starting with `name`,
-  /// the copy's name for the user.
+  /// Copies the database, without deleted rows, to a new file and syncs it. \throw Error starting with
+  /// `name`, the copy's name for the user.
   void copyTo(const std::filesystem::path& file, const std::string& name) const;
   /// Calls fsync on the file or folder. \throw Error starting with `name`
   static void syncToDisk(const std::filesystem::path& file_or_folder, const std::string& name);

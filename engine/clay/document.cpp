@@ -42,10 +42,12 @@ constexpr const char* kSchema[] = {
     " current_entry INTEGER NOT NULL REFERENCES entry (id)) STRICT",
 };
 
-// The rotation of entries whose clay is rotated: a unit quaternion x, y, z, w, little-endian doubles; otherwise
-// NULL. The column is added with the first such entry, so that other documents stay readable by older versions.
+// The rotation of entries whose clay is rotated: a unit quaternion x, y, z, w, little-endian doubles;
+// otherwise NULL. The column is added with the first such entry, so that other documents stay readable by
+// older versions.
 constexpr const char* kAddRotationColumn = "ALTER TABLE entry ADD COLUMN turn BLOB";
-constexpr const char* kCountRotationColumns = "SELECT count(*) FROM pragma_table_info('entry') WHERE name = 'turn'";
+constexpr const char* kCountRotationColumns =
+    "SELECT count(*) FROM pragma_table_info('entry') WHERE name = 'turn'";
 
 constexpr std::pair<SubdivisionRule, const char*> kRules[] = {
     {SubdivisionRule::kCatmullClark, "catmull-clark"}, {SubdivisionRule::kPrinted, "printed"}};
@@ -220,7 +222,8 @@ std::vector<HistoryEntry> Document::history() const {
 void Document::saveAs(const std::filesystem::path& file) const {
   std::error_code ignored;
   if (std::filesystem::equivalent(file, file_, ignored))
-    throw Error(file.string() + ": is this document's own file, which already contains every edit; use another name");
+    throw Error(file.string() +
+                ": is this document's own file, which already contains every edit; use another name");
   checkReplaceable(file);
   // For a symbolic link, replace its target and keep the link.
   const std::filesystem::path target =
@@ -324,8 +327,8 @@ Document::Loaded Document::load(const Entry& entry) const {
       loaded.connectivity == connectivity_ ? state_.cage.faces : loadFaces(loaded.connectivity, point_count);
   const std::span<const std::byte> points = select.bytes(4);
   if (points.size() != point_count * sizeof(Vec3))
-    throw Error(where(entry) + " has " + std::to_string(points.size()) + " bytes of control points; expected " +
-                std::to_string(point_count * sizeof(Vec3)));
+    throw Error(where(entry) + " has " + std::to_string(points.size()) +
+                " bytes of control points; expected " + std::to_string(point_count * sizeof(Vec3)));
   loaded.state.cage.points = valuesOf<Vec3>(points);
   loaded.state.workspace_from_clay = loadRotation(entry);
   checkClayState(loaded.state, where(entry));

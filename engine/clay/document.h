@@ -17,9 +17,9 @@ struct HistoryEntry {
   bool is_current = false;       ///< state() is the result of this edit; later entries can be redone
 };
 
-/// An open document. state() always equals the file's content: an edit is one transaction, which is on the disk
-/// when the call returns; a call that throws changes neither. There is no save command, a crash loses at most
-/// the edit in progress, and undo is unlimited, across restarts too. Other programs cannot open the file
+/// An open document. state() always equals the file's content: an edit is one transaction, which is on the
+/// disk when the call returns; a call that throws changes neither. There is no save command, a crash loses at
+/// most the edit in progress, and undo is unlimited, across restarts too. Other programs cannot open the file
 /// meanwhile. This program must not open it by other means: closing any descriptor of the file releases the
 /// process's locks on it (POSIX). Not thread-safe.
 ///
@@ -31,16 +31,16 @@ class Document {
   /// checkClayState().
   static Document create(const std::filesystem::path& file, const ClayState& state,
                          const std::string& name = "New");
-  /// Opens a document at its current entry. Checks everything it reads, because the file may have been edited by
-  /// hand.
+  /// Opens a document at its current entry. Checks everything it reads, because the file may have been edited
+  /// by hand.
   static Document open(const std::filesystem::path& file);
 
   const std::filesystem::path& file() const { return file_; }
   const ClayState& state() const { return state_; }
 
-  /// Appends `state` to the history and discards the entries that could be redone. Does nothing if `state` equals
-  /// the current state bit for bit. \throw Error also if `name` is empty or longer than kMaxNameBytes, and like
-  /// checkClayState().
+  /// Appends `state` to the history and discards the entries that could be redone. Does nothing if `state`
+  /// equals the current state bit for bit. \throw Error also if `name` is empty or longer than kMaxNameBytes,
+  /// and like checkClayState().
   void commit(const std::string& name, ClayState state);
   /// Moves `count` entries back or forward, in one transaction. \throw Error also if there are fewer.
   void undo(int count = 1);
@@ -54,8 +54,8 @@ class Document {
   std::vector<HistoryEntry> history() const;
 
   /// Copies the document with its history to `file`, atomically, and replaces an existing file. This document
-  /// keeps its own file; to continue in the copy, open it. Also works if the own file was deleted. \throw Error
-  /// also if `file` is this document's own file or is open elsewhere.
+  /// keeps its own file; to continue in the copy, open it. Also works if the own file was deleted. \throw
+  /// Error also if `file` is this document's own file or is open elsewhere.
   void saveAs(const std::filesystem::path& file) const;
 
   static constexpr int kFormat = 1;  ///< the file's user_version; larger versions are rejected

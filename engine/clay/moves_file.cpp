@@ -73,8 +73,8 @@ std::vector<Move> readMoves(const std::filesystem::path& file, int data_point_co
     moves.push_back(parseMove(line, data_point_count, where));
     long& first = line_of_point[size_t(moves.back().index)];
     if (first > 0)
-      throw Error(where + ": data point " + std::to_string(moves.back().index) + " is already moved in line " +
-                  std::to_string(first) + "; expected each point once");
+      throw Error(where + ": data point " + std::to_string(moves.back().index) +
+                  " is already moved in line " + std::to_string(first) + "; expected each point once");
     first = line_number;
   }
   if (!has_header) throw Error(file.string() + ": is empty; it must begin with the header index,x,y,z");

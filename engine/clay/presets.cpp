@@ -17,8 +17,8 @@ struct Ring {
   double radius_m, height_m;
 };
 
-/// A surface of revolution about z: consecutive rings of `around` points, connected by quads. Rings that ascend
-/// form the outside.
+/// A surface of revolution about z: consecutive rings of `around` points, connected by quads. Rings that
+/// ascend form the outside.
 PolygonMesh lathe(const std::vector<Ring>& rings, int around) {
   PolygonMesh mesh;
   for (const Ring& ring : rings)
@@ -35,8 +35,8 @@ PolygonMesh lathe(const std::vector<Ring>& rings, int around) {
   return mesh;
 }
 
-/// Closes the ring that starts at point `first` with a fan of quads around a new centre point. \pre `around` is
-/// even
+/// Closes the ring that starts at point `first` with a fan of quads around a new centre point. \pre `around`
+/// is even
 void closeRing(PolygonMesh& mesh, int first, int around, bool ring_runs_outwards) {
   Vec3 middle = Vec3::Zero();
   for (int i = 0; i < around; ++i) middle += mesh.points[size_t(first + i)] / around;

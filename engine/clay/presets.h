@@ -11,12 +11,13 @@ namespace airclay {
 /// The preset names, default first: tube, cube, ball, slab, vase.
 const std::vector<std::string>& presetNames();
 
-/// A preset's control cage, metres, about 0.2 m in size and centred at the origin. `tube` is the paper's clay: an
-/// open tube of 7 x 4 control points, 28 -> 98 -> 364 data points. \throw Error listing the presets if the name
-/// is unknown.
+/// A preset's control cage, metres, about 0.2 m in size and centred at the origin. `tube` is the paper's
+/// clay: an open tube of 7 x 4 control points, 28 -> 98 -> 364 data points. \throw Error listing the presets
+/// if the name is unknown.
 PolygonMesh presetCage(const std::string& name);
 
-/// Loads a preset or an OBJ file; a preset's name takes precedence. \throw Error like presetCage() and readObj().
+/// Loads a preset or an OBJ file; a preset's name takes precedence. \throw Error like presetCage() and
+/// readObj().
 PolygonMesh loadCage(const std::string& preset_or_file);
 
 }  // namespace airclay

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Eq. (6)-(8): from moved data points to control points, by least squares.
 //
-// Both methods solve for displacements, p_new = p + A⁺ (d_new - d). The paper's eq. (7), Aᵀ(AAᵀ)⁻¹, exists only
-// for independent rows that are fewer than the control points (Hsu et al. 1992, for touched points only); over
-// all data points the pseudoinverse is (AᵀA)⁻¹Aᵀ.
+// Both methods solve for displacements, p_new = p + A⁺ (d_new - d). The paper's eq. (7), Aᵀ(AAᵀ)⁻¹, exists
+// only for independent rows that are fewer than the control points (Hsu et al. 1992, for touched points
+// only); over all data points the pseudoinverse is (AᵀA)⁻¹Aᵀ.
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -29,8 +29,8 @@ inline constexpr double kSingularCutoff = 1e-7;
 inline constexpr double kTouchedDamping = 0.1;
 
 /// The new control points, metres, world: exact Moore-Penrose over the method's rows (damping = 0) or damped
-/// least squares (damping > 0, kSolveTouched only). \throw Error if an index is out of range or occurs twice, or
-/// an ill-conditioned problem has more than AllRowsSolver::kMaxControlPoints control points.
+/// least squares (damping > 0, kSolveTouched only). \throw Error if an index is out of range or occurs twice,
+/// or an ill-conditioned problem has more than AllRowsSolver::kMaxControlPoints control points.
 std::vector<Vec3> solveControlPoints(const StencilMatrix& matrix, const std::vector<Vec3>& control_points,
                                      const std::vector<Move>& moves, const SolveMethod* method,
                                      double damping = 0);
@@ -55,8 +55,8 @@ class AllRowsSolver {
 /// The damped `touched` solve for fixed rows, factored once for repeated use.
 class TouchedRowsSolver {
  public:
-  /// \pre `rows` are ascending, in range and unique; damping > 0. \throw Error if the smaller of the numbers of
-  /// rows and of control points exceeds AllRowsSolver::kMaxControlPoints.
+  /// \pre `rows` are ascending, in range and unique; damping > 0. \throw Error if the smaller of the numbers
+  /// of rows and of control points exceeds AllRowsSolver::kMaxControlPoints.
   TouchedRowsSolver(const StencilMatrix& matrix, const std::vector<int>& rows, double damping);
   const std::vector<int>& rows() const { return rows_; }
   /// The displacements of all control points, given those of rows() in the same order; metres.

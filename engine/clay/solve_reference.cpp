@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Eq. (6)-(8) on the CPU in double precision: the reference of the kernel `solve`, and the solver of `deform`.
+// Eq. (6)-(8) on the CPU in double precision: the reference of the kernel `solve`, and the solver of
+// `deform`.
 //
-// If A is well conditioned, its pseudoinverse is (AᵀA)⁻¹Aᵀ, by Cholesky. Squaring A halves the accurate digits,
-// so an ill-conditioned A is instead reduced by Householder reflections, and the small triangle is solved by its
-// singular values.
+// If A is well conditioned, its pseudoinverse is (AᵀA)⁻¹Aᵀ, by Cholesky. Squaring A halves the accurate
+// digits, so an ill-conditioned A is instead reduced by Householder reflections, and the small triangle is
+// solved by its singular values.
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
 #include <Eigen/SVD>
@@ -22,9 +23,9 @@ namespace {
 using Eigen::MatrixXd;
 using Displacements = Eigen::Matrix<double, Eigen::Dynamic, 3>;  ///< one per row, metres
 
-// The smallest pivot ratio of AᵀA. Its singular values are the squares of A's, so those of A are all above 1e-4
-// of the largest, far from kSingularCutoff: none is truncated, and Cholesky is accurate to 1e-8 before and 1e-12
-// after one refinement step.
+// The smallest pivot ratio of AᵀA. Its singular values are the squares of A's, so those of A are all above
+// 1e-4 of the largest, far from kSingularCutoff: none is truncated, and Cholesky is accurate to 1e-8 before
+// and 1e-12 after one refinement step.
 constexpr double kWellConditioned = 1e-8;
 
 // A larger refinement step means that the pivots underestimate the condition number.
@@ -96,12 +97,14 @@ std::optional<Displacements> solveNormalEquations(const StencilMatrix& matrix,
     return factor.solve(Displacements(transposed * b));
   };
   const Displacements solution = solve(right_side);
-  const Displacements correction = solve(right_side - matrix * solution);  // residual with A itself, not its square
+  const Displacements correction =
+      solve(right_side - matrix * solution);  // residual with A itself, not its square
   if (!(correction.norm() <= kSmallCorrection * solution.norm())) return std::nullopt;
   return Displacements(solution + correction);
 }
 
-/// A⁺ b, exact Moore-Penrose: the smallest of all best-fitting x, singular values truncated at kSingularCutoff.
+/// A⁺ b, exact Moore-Penrose: the smallest of all best-fitting x, singular values truncated at
+/// kSingularCutoff.
 Displacements pseudoinverseTimes(const StencilMatrix& matrix, const Displacements& right_side) {
   if (const auto solution = solveNormalEquations(matrix, right_side)) return *solution;
   if (matrix.cols() > AllRowsSolver::kMaxControlPoints)

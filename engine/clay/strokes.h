@@ -21,15 +21,15 @@ enum class StrokeEvent {
 };
 
 /// A stroke starts when the hand touches the clay with the clutch closed and the hand tracked. It ends when
-/// nothing is touched for kStrokeGapSeconds, the clutch opens, tracking is lost, or time runs backwards (a take
-/// restarts).
+/// nothing is touched for kStrokeGapSeconds, the clutch opens, tracking is lost, or time runs backwards (a
+/// take restarts).
 class StrokeDetector {
  public:
   /// 0.4 s: longer than the gap between two dabs, shorter than a pause to look at the result.
   static constexpr double kStrokeGapSeconds = 0.4;
 
-  /// Processes the next frame. `tool` names a stroke that it starts ("Push"); an active stroke keeps its name, and
-  /// ends when the tool changes.
+  /// Processes the next frame. `tool` names a stroke that it starts ("Push"); an active stroke keeps its
+  /// name, and ends when the tool changes.
   StrokeEvent addFrame(const StrokeFrame& frame, const std::string& tool);
   /// Ends the active stroke, if any: before undo, saving or another document, and at the end of a take.
   StrokeEvent finish();

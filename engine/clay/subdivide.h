@@ -25,15 +25,15 @@ struct Subdivision {
   std::vector<std::array<int, 4>> quads;  ///< faces of the result, counterclockwise seen from outside
 };
 
-/// Subdivides the connectivity of `cage` `levels` times (>= 1). Data points are in OpenSubdiv's order for both
-/// rules: at each level face points, then edge points, then vertex points. Borders follow the standard rule:
-/// edge midpoints, and 1/8, 3/4, 1/8 for vertices, also at corners of a single face (OpenSubdiv's
-/// VTX_BOUNDARY_EDGE_ONLY). \throw Error if `cage` is not a valid control cage (engine/mesh/manifold.h), `levels`
-/// is not 1 to 15, or the result would exceed kMaxDataPoints or about 5 GB of weights.
+/// Subdivides the connectivity of `cage` `levels` times (>= 1). Data points are in OpenSubdiv's order for
+/// both rules: at each level face points, then edge points, then vertex points. Borders follow the standard
+/// rule: edge midpoints, and 1/8, 3/4, 1/8 for vertices, also at corners of a single face (OpenSubdiv's
+/// VTX_BOUNDARY_EDGE_ONLY). \throw Error if `cage` is not a valid control cage (engine/mesh/manifold.h),
+/// `levels` is not 1 to 15, or the result would exceed kMaxDataPoints or about 5 GB of weights.
 Subdivision subdivide(const PolygonMesh& cage, int levels, SubdivisionRule rule);
 
-/// The subdivided surface of `control_points` (one per column of A), in the same frame and unit: one point per
-/// row of A, and the quads.
+/// The subdivided surface of `control_points` (one per column of A), in the same frame and unit: one point
+/// per row of A, and the quads.
 PolygonMesh surfaceMesh(const Subdivision& subdivision, const std::vector<Vec3>& control_points);
 
 /// `cage` subdivided `levels` times, points and faces in subdivide()'s order; the cage itself for 0 levels.
@@ -82,8 +82,8 @@ class SurfaceEvaluator {
 /// Eq. (5), d = A p, in double precision: the reference implementation of the kernel `subdivide`.
 std::vector<Vec3> dataPoints(const StencilMatrix& matrix, const std::vector<Vec3>& control_points);
 
-/// Unit normals at the data points: the area-weighted average of the adjoining faces' normals; zero where these
-/// cancel out. The reference implementation of the kernel `normals`.
+/// Unit normals at the data points: the area-weighted average of the adjoining faces' normals; zero where
+/// these cancel out. The reference implementation of the kernel `normals`.
 std::vector<Vec3> dataNormals(const std::vector<std::array<int, 4>>& quads,
                               const std::vector<Vec3>& data_points);
 

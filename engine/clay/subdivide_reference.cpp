@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The reference implementations of the kernels `subdivide` and `normals`: eq. (5) and the vertex normals, serial,
-// in double precision.
+// The reference implementations of the kernels `subdivide` and `normals`: eq. (5) and the vertex normals,
+// serial, in double precision.
 #include "engine/clay/subdivide.h"
 
 namespace airclay {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Builds the matrix A of eq. (5) on OpenSubdiv's refined topology: with OpenSubdiv's stencils for
-// `catmull-clark`, and for `printed` as a product of one matrix per level, with the weights of eq. (3) and (4) as
-// printed in the paper.
+// `catmull-clark`, and for `printed` as a product of one matrix per level, with the weights of eq. (3) and
+// (4) as printed in the paper.
 #include <opensubdiv/far/stencilTableFactory.h>
 #include <opensubdiv/far/topologyDescriptor.h>
 #include <opensubdiv/far/topologyRefinerFactory.h>
@@ -22,8 +22,8 @@ namespace {
 namespace Far = OpenSubdiv::Far;
 namespace Sdc = OpenSubdiv::Sdc;
 
-// A matrix of 4.8 GB; more results only from polygons with thousands of corners, whose points all depend on each
-// other.
+// A matrix of 4.8 GB; more results only from polygons with thousands of corners, whose points all depend on
+// each other.
 constexpr long kMaxWeights = 400'000'000;
 
 constexpr int kMaxLevels = 15;  // OpenSubdiv stores the level in four bits
@@ -50,8 +50,8 @@ long countDataPoints(const PolygonMesh& cage, int levels) {
   return points;
 }
 
-/// An upper bound of the number of weights in A: a face of s corners becomes s 4^(levels - 1) quads, whose points
-/// depend only on the control points of the faces that touch it. Stops counting above kMaxWeights.
+/// An upper bound of the number of weights in A: a face of s corners becomes s 4^(levels - 1) quads, whose
+/// points depend only on the control points of the faces that touch it. Stops counting above kMaxWeights.
 double boundWeights(const PolygonMesh& cage, int levels) {
   std::vector<std::vector<int>> faces_of_point(cage.points.size());
   for (size_t f = 0; f < cage.faces.size(); ++f)
@@ -82,8 +82,8 @@ void checkSize(const PolygonMesh& cage, int levels) {
                 std::to_string(kMaxWeights) + " weights; use a lower level or split its largest polygons");
 }
 
-/// Refines the cage's connectivity uniformly; at each level face points come first, then edge points, then vertex
-/// points.
+/// Refines the cage's connectivity uniformly; at each level face points come first, then edge points, then
+/// vertex points.
 std::unique_ptr<Far::TopologyRefiner> refine(const PolygonMesh& cage, int levels) {
   std::vector<int> sizes, corners;
   for (const std::vector<int>& face : cage.faces) {
@@ -104,8 +104,7 @@ std::unique_ptr<Far::TopologyRefiner> refine(const PolygonMesh& cage, int levels
   Far::SetWarningCallback([](const char*) {});
   std::unique_ptr<Far::TopologyRefiner> refiner(
       Factory::Create(descriptor, Factory::Options(Sdc::SCHEME_CATMARK, rules)));
-  if (!refiner)
-    throw Error("OpenSubdiv rejects the cage's connectivity; expected a manifold polygon mesh");
+  if (!refiner) throw Error("OpenSubdiv rejects the cage's connectivity; expected a manifold polygon mesh");
   Far::TopologyRefiner::UniformOptions options(levels);
   options.orderVerticesFromFacesFirst = true;
   refiner->RefineUniform(options);
@@ -185,7 +184,8 @@ class PrintedStep {
     const int row = level_.GetVertexChildVertex(v);
     const Far::ConstIndexArray edges = level_.GetVertexEdges(v);
     if (level_.IsVertexBoundary(v)) {
-      // The standard border rule, 1/8, 3/4, 1/8: half the point plus a quarter of each border edge's midpoint.
+      // The standard border rule, 1/8, 3/4, 1/8: half the point plus a quarter of each border edge's
+      // midpoint.
       add(row, v, 0.5);
       for (int k = 0; k < edges.size(); ++k)
         if (level_.IsEdgeBoundary(edges[k])) addMidpoint(row, edges[k], 0.25);

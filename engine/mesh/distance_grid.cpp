@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Signed distances to a closed triangle mesh: the nearest point by a bounding volume hierarchy, the sign by the
-// generalized winding number (Jacobson, Kavan and Sorkine-Hornung 2013, "Robust inside-outside segmentation using
-// generalized winding numbers"), with distant triangles approximated as dipoles in the same hierarchy (Barill et al.
-// 2018, "Fast winding numbers for soups and clouds").
+// Signed distances to a closed triangle mesh: the nearest point by a bounding volume hierarchy, the sign by
+// the generalized winding number (Jacobson, Kavan and Sorkine-Hornung 2013, "Robust inside-outside
+// segmentation using generalized winding numbers"), with distant triangles approximated as dipoles in the
+// same hierarchy (Barill et al. 2018, "Fast winding numbers for soups and clouds").
 #include "engine/mesh/distance_grid.h"
 
 #include <algorithm>
@@ -163,8 +163,8 @@ class Hierarchy {
   std::vector<Node> nodes_;
 };
 
-/// Fills one row of samples along x. Between samples the distance changes at most by their spacing, which bounds the
-/// search; if both are farther from the surface than that, they are on the same side.
+/// Fills one row of samples along x. Between samples the distance changes at most by their spacing, which
+/// bounds the search; if both are farther from the surface than that, they are on the same side.
 void fillRow(const Hierarchy& hierarchy, DistanceGrid& grid, int j, int k) {
   const double largest = std::numeric_limits<double>::max();
   double distance = std::sqrt(largest), sign = 0;

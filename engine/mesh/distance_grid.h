@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The signed distance to a triangle mesh, sampled on a regular grid. Contact uses it to find how deep a point is
-// inside the hand.
+// The signed distance to a triangle mesh, sampled on a regular grid. Contact uses it to find how deep a point
+// is inside the hand.
 #pragma once
 
 #include "engine/mesh/mesh.h"
@@ -16,13 +16,15 @@ struct DistanceGrid {
   std::vector<float> values;
 };
 
-/// The distance to the closed solid withCaps(mesh), with a margin of `margin_m` around it. Distances are exact at
-/// the samples (nearest point on the triangles, by a bounding volume hierarchy); the sign is that of the generalized
-/// winding number (Jacobson et al. 2013), which tolerates small self-intersections of a scanned or skinned mesh. Uses
-/// all cores. \throw Error if the mesh has no triangles or the grid would be too large.
+/// The distance to the closed solid withCaps(mesh), with a margin of `margin_m` around it. Distances are
+/// exact at the samples (nearest point on the triangles, by a bounding volume hierarchy); the sign is that of
+/// the generalized winding number (Jacobson et al. 2013), which tolerates small self-intersections of a
+/// scanned or skinned mesh. Uses all cores. \throw Error if the mesh has no triangles or the grid would be
+/// too large.
 DistanceGrid signedDistanceGrid(const TriangleMesh& mesh, double cell_m, double margin_m);
 
-/// Trilinear interpolation, metres; outside the grid, the value at the nearest border point plus the distance to it.
+/// Trilinear interpolation, metres; outside the grid, the value at the nearest border point plus the distance
+/// to it.
 double sample(const DistanceGrid& grid, const Vec3& point);
 
 /// The exact signed distance of one point to withCaps(mesh), over all triangles; for tests.

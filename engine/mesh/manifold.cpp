@@ -66,10 +66,10 @@ void checkEdges(const std::vector<DirectedEdge>& edges, const std::string& where
     if (edges[i - 1] < edge) continue;
     const bool third =
         findEdge(edges, edge.to, edge.from) || (i + 1 < edges.size() && !(edge < edges[i + 1]));
-    throw Error(where + ": the edge between points " + named(std::min(edge.from, edge.to)) + " and " +
-                named(std::max(edge.from, edge.to)) + " is non-manifold: " +
-                (third ? "it has more than two faces"
-                       : "its two faces have opposite orientation; flip one of them"));
+    throw Error(
+        where + ": the edge between points " + named(std::min(edge.from, edge.to)) + " and " +
+        named(std::max(edge.from, edge.to)) + " is non-manifold: " +
+        (third ? "it has more than two faces" : "its two faces have opposite orientation; flip one of them"));
   }
 }
 

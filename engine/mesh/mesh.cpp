@@ -8,8 +8,9 @@
 namespace airclay {
 namespace {
 
-/// Start and end of each border edge, in the direction of its triangle; an edge occurs once per unmatched triangle. At
-/// every vertex the numbers of incoming and outgoing border edges are equal, because each triangle is a closed walk.
+/// Start and end of each border edge, in the direction of its triangle; an edge occurs once per unmatched
+/// triangle. At every vertex the numbers of incoming and outgoing border edges are equal, because each
+/// triangle is a closed walk.
 std::multimap<int, int> borderEdges(const TriangleMesh& mesh) {
   std::map<std::pair<int, int>, int> surplus;  // (a, b), a < b: edges from a to b minus edges from b to a
   for (const auto& triangle : mesh.triangles) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Exports meshes. PLY: Turk 1994, "The PLY Polygon File Format". STL: 3D Systems 1988, "StereoLithography Interface
-// Specification", binary format. gltf_export.cpp writes glTF; triangulate.cpp splits faces.
+// Exports meshes. PLY: Turk 1994, "The PLY Polygon File Format". STL: 3D Systems 1988, "StereoLithography
+// Interface Specification", binary format. gltf_export.cpp writes glTF; triangulate.cpp splits faces.
 #include "engine/mesh/mesh_export.h"
 
 #include <algorithm>
@@ -141,7 +141,8 @@ std::string plyOf(const PolygonMesh& mesh) {
 }
 
 std::string stlOf(const Solid& solid) {
-  std::string bytes = "Airclay: millimetres, z up";  // must not start with `solid`, which marks the text format
+  std::string bytes =
+      "Airclay: millimetres, z up";  // must not start with `solid`, which marks the text format
   bytes.resize(80, ' ');
   bytes.reserve(84 + 50 * solid.triangles.size());
   put(bytes, std::uint32_t(solid.triangles.size()));

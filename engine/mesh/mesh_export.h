@@ -23,7 +23,8 @@ enum class MeshFormat {
   kGlb,  ///< glTF 2.0 binary, triangles, smooth normals, one material; metres, y up
 };
 
-/// The format for a file's extension, in any case: .obj, .ply, .stl, .glb. \throw Error (Fault::kUsage) for others
+/// The format for a file's extension, in any case: .obj, .ply, .stl, .glb. \throw Error (Fault::kUsage) for
+/// others
 MeshFormat meshFormatOf(const std::filesystem::path& file);
 
 /// Statistics of an exported mesh.
@@ -39,23 +40,24 @@ struct MeshExport {
   bool watertight() const { return open_edges == 0; }
 };
 
-/// Writes `mesh` (metres, world) in the format of the file's extension, atomically. Open meshes are written too; see
-/// the result. `open_edges` treats points that coincide in STL's precision as one, as slicers do. \throw Error if the
-/// extension is unknown, there is no face, a face has an index out of range or more than 10,000 corners, a coordinate
-/// is beyond 1,000 km or not finite, or the file cannot be written.
+/// Writes `mesh` (metres, world) in the format of the file's extension, atomically. Open meshes are written
+/// too; see the result. `open_edges` treats points that coincide in STL's precision as one, as slicers do.
+/// \throw Error if the extension is unknown, there is no face, a face has an index out of range or more than
+/// 10,000 corners, a coordinate is beyond 1,000 km or not finite, or the file cannot be written.
 MeshExport exportMesh(const std::filesystem::path& file, const PolygonMesh& mesh);
 
-/// The mesh's faces as triangles, without new points. A quad is split along its shorter diagonal, unless only the
-/// longer one is inside; larger polygons by ear clipping (Meisters 1975, "Polygons have ears") in the plane of the
-/// polygon's area vector, always at the ear with the shortest diagonal. \throw Error if a face has more than 10,000
-/// corners.
+/// The mesh's faces as triangles, without new points. A quad is split along its shorter diagonal, unless only
+/// the longer one is inside; larger polygons by ear clipping (Meisters 1975, "Polygons have ears") in the
+/// plane of the polygon's area vector, always at the ear with the shortest diagonal. \throw Error if a face
+/// has more than 10,000 corners.
 std::vector<std::array<int, 3>> triangulated(const PolygonMesh& mesh);
 
-/// Unit normals, one per point: the area-weighted average of the adjoining faces' normals; +z where these cancel out.
+/// Unit normals, one per point: the area-weighted average of the adjoining faces' normals; +z where these
+/// cancel out.
 std::vector<Vec3> smoothNormals(const PolygonMesh& mesh);
 
-/// The content of a glTF 2.0 binary with one mesh, `clay`: y up (x, z, -y of the world), metres, a material in
-/// kClayColor, double-sided if `open`. `normals`: unit, one per vertex.
+/// The content of a glTF 2.0 binary with one mesh, `clay`: y up (x, z, -y of the world), metres, a material
+/// in kClayColor, double-sided if `open`. `normals`: unit, one per vertex.
 std::string gltfBinary(const TriangleMesh& mesh, const std::vector<Vec3>& normals, bool open);
 
 }  // namespace airclay

@@ -10,8 +10,8 @@
 namespace airclay {
 
 /// Reads a control cage from an OBJ of polygons, in metres. Points and faces keep the order of the file.
-/// \throw Error naming file and line if there is no vertex or face, an index is out of range, a face has fewer than
-/// three different corners, or a coordinate is not finite; and like checkCage().
+/// \throw Error naming file and line if there is no vertex or face, an index is out of range, a face has
+/// fewer than three different corners, or a coordinate is not finite; and like checkCage().
 PolygonMesh readObj(const std::filesystem::path& file);
 
 /// Writes `v` and `f` lines with nine significant digits, atomically (a temporary file, renamed).

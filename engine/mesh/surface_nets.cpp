@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Surface nets: sample, place a vertex in each crossed cell, connect them across crossed edges, relax and project.
+// Surface nets: sample, place a vertex in each crossed cell, connect them across crossed edges, relax and
+// project.
 #include "engine/mesh/surface_nets.h"
 
 #include <algorithm>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Polygonizes an implicit surface by surface nets (Gibson 1998, "Constrained elastic surface nets: generating smooth
-// surfaces from binary segmented data", MICCAI), with vertices projected onto the surface by Newton steps.
+// Polygonizes an implicit surface by surface nets (Gibson 1998, "Constrained elastic surface nets: generating
+// smooth surfaces from binary segmented data", MICCAI), with vertices projected onto the surface by Newton
+// steps.
 #pragma once
 
 #include <functional>
@@ -19,9 +20,9 @@ struct NetGrid {
   std::array<int, 3> cells{};
 };
 
-/// A closed mesh with one vertex per crossed cell and two triangles per crossed edge, counterclockwise seen from
-/// outside. Vertices are evenly spaced and within a few thousandths of a cell of the surface. Manifold wherever no cell
-/// is crossed by two sheets of the surface.
+/// A closed mesh with one vertex per crossed cell and two triangles per crossed edge, counterclockwise seen
+/// from outside. Vertices are evenly spaced and within a few thousandths of a cell of the surface. Manifold
+/// wherever no cell is crossed by two sheets of the surface.
 TriangleMesh surfaceNet(const Implicit& surface, const NetGrid& grid);
 
 }  // namespace airclay

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Splits polygons into triangles: quads along the shorter diagonal, larger ones by ear clipping (Meisters 1975,
-// "Polygons have ears", Amer. Math. Monthly 82(6): a simple polygon of at least four corners has two ears).
+// Splits polygons into triangles: quads along the shorter diagonal, larger ones by ear clipping (Meisters
+// 1975, "Polygons have ears", Amer. Math. Monthly 82(6): a simple polygon of at least four corners has two
+// ears).
 #include <algorithm>
 #include <limits>
 

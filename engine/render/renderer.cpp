@@ -214,7 +214,8 @@ void Renderer::writeStrokes(const Scene& scene) {
 
 /// The triangles that the current submission may still draw; at least one.
 std::uint32_t Renderer::remainingTriangles() const {
-  return options_.max_submission_triangles == 0 ? UINT32_MAX : options_.max_submission_triangles - submission_triangles_;
+  return options_.max_submission_triangles == 0 ? UINT32_MAX
+                                                : options_.max_submission_triangles - submission_triangles_;
 }
 
 /// Counts recorded triangles or vertices and divides the submission at the limit. \pre count <=
@@ -229,7 +230,8 @@ void Renderer::countTriangles(Recorder& recorder, std::uint32_t count) {
 
 /// Divides the submission between passes, which is free; within a pass, the image would have to be reloaded.
 void Renderer::divideIfLarge(Recorder& recorder) {
-  if (submission_triangles_ > options_.max_submission_triangles / 8) countTriangles(recorder, remainingTriangles());
+  if (submission_triangles_ > options_.max_submission_triangles / 8)
+    countTriangles(recorder, remainingTriangles());
 }
 
 /// Records the pass, divided into several if it draws more triangles than a submission may have.
@@ -284,7 +286,8 @@ void Renderer::recordDensities(Recorder& recorder, const Scene& scene) {
 }
 
 RenderMeshArgs Renderer::meshArgs(const LitMesh& mesh, bool from_light) const {
-  const Eigen::Matrix4d& clip = from_light ? transforms_.light_from_workspace : transforms_.clip_from_workspace;
+  const Eigen::Matrix4d& clip =
+      from_light ? transforms_.light_from_workspace : transforms_.clip_from_workspace;
   const Pose mesh_from_workspace = mesh.workspace_from_mesh.inverse();
   RenderMeshArgs args{};
   args.positions = *mesh.surface.positions;
@@ -299,8 +302,10 @@ RenderMeshArgs Renderer::meshArgs(const LitMesh& mesh, bool from_light) const {
 }
 
 RenderCapsuleArgs Renderer::capsuleArgs(bool from_light) const {
-  const Eigen::Matrix4d& clip = from_light ? transforms_.light_from_workspace : transforms_.clip_from_workspace;
-  return {capsules_, clip.cast<float>(), transforms_.eye.cast<float>(), transforms_.key_direction.cast<float>()};
+  const Eigen::Matrix4d& clip =
+      from_light ? transforms_.light_from_workspace : transforms_.clip_from_workspace;
+  return {capsules_, clip.cast<float>(), transforms_.eye.cast<float>(),
+          transforms_.key_direction.cast<float>()};
 }
 
 void Renderer::recordShadowMap(Recorder& recorder, const Scene& scene) {
@@ -414,8 +419,8 @@ RenderBackdropArgs Renderer::backdropArgs(const Scene& scene) const {
   return args;
 }
 
-/// Fills color_ with the backdrop. The backdrop depends only on its colours, so it is drawn once and then copied,
-/// which takes a tenth of the time on a software device.
+/// Fills color_ with the backdrop. The backdrop depends only on its colours, so it is drawn once and then
+/// copied, which takes a tenth of the time on a software device.
 void Renderer::recordBackdrop(Recorder& recorder, const Scene& scene) {
   if (scene.backdrop_top != backdrop_top_ || scene.backdrop_bottom != backdrop_bottom_) {
     const RenderPass pass{

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Offscreen images of the clay, the hand and the cameras in a studio: a soft key light, a seamless backdrop, and a
-// ground that receives shadows.
+// Offscreen images of the clay, the hand and the cameras in a studio: a soft key light, a seamless backdrop,
+// and a ground that receives shadows.
 //
 //     Renderer renderer(gpu, {.width = 1280, .height = 720});
 //     Scene scene;
@@ -55,7 +55,8 @@ View frontView(const Workspace& workspace);
 View sideView(const Workspace& workspace);
 View topView(const Workspace& workspace);
 
-/// A rig camera's view without lens distortion; for a fisheye lens, limited to what a pinhole camera can show.
+/// A rig camera's view without lens distortion; for a fisheye lens, limited to what a pinhole camera can
+/// show.
 View cameraView(const Camera& camera, const Workspace& workspace);
 
 Pose workspaceFromWorld(const Workspace& workspace);
@@ -160,8 +161,8 @@ struct SceneStrokes {
 
 /// The twelve edges of the workspace cube.
 SceneStrokes cubeEdges(const Workspace& workspace);
-/// The circle in which the symmetry plane through the origin, perpendicular to `axis`, intersects a sphere around
-/// the origin.
+/// The circle in which the symmetry plane through the origin, perpendicular to `axis`, intersects a sphere
+/// around the origin.
 SceneStrokes symmetryRing(int axis, double radius_m);
 /// The rig's cameras as pyramids of the given length.
 SceneStrokes cameraFrusta(const Rig& rig, double length_m);
@@ -203,7 +204,8 @@ struct RendererOptions {
   int shadow_taps = 64;            ///< samples of the soft shadow's filter
   int ground_vertices = 64;        ///< along an edge; the ground's lighting is computed at these
   bool readback = true;            ///< for pixels(); otherwise a window copies image()
-  /// Divides an image into submissions of about this many triangles, so that none takes long; 0: one submission.
+  /// Divides an image into submissions of about this many triangles, so that none takes long; 0: one
+  /// submission.
   std::uint32_t max_submission_triangles = 0;
 
   static constexpr int kMaxImage = 4096;
@@ -225,15 +227,16 @@ class Renderer {
   Renderer(Gpu& gpu, const RendererOptions& options);
   ~Renderer();
 
-  /// Records the image of a scene; pixels() returns it once the recorded work is done. One image per submission; a
-  /// large one may divide it. \pre earlier recorded work is done
+  /// Records the image of a scene; pixels() returns it once the recorded work is done. One image per
+  /// submission; a large one may divide it. \pre earlier recorded work is done
   void record(Recorder& recorder, const Scene& scene, const View& view);
 
   int width() const { return options_.width; }
   int height() const { return options_.height; }
   /// The image, of the size in the options; its kind is ImageKind::kScreen without readback.
   Image& image() { return options_.multisample ? resolved_ : color_; }
-  /// sRGB with alpha, one word per pixel, red in the lowest byte, rows from the top. \pre the recorded work is done
+  /// sRGB with alpha, one word per pixel, red in the lowest byte, rows from the top. \pre the recorded work
+  /// is done
   std::span<const std::uint32_t> pixels() const { return pixels_.host(); }
   /// The same as bytes.
   std::span<const std::uint8_t> bytes() const;

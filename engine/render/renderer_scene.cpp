@@ -32,7 +32,8 @@ View alongAxis(const Workspace& workspace, const Vec3& from) {
   return view;
 }
 
-/// Interleaves the bits of 10-bit coordinates, so that points close in space are close in the order (Morton 1966).
+/// Interleaves the bits of 10-bit coordinates, so that points close in space are close in the order (Morton
+/// 1966).
 std::uint32_t mortonCode(const Vec3& unit) {
   std::uint32_t code = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -69,7 +70,8 @@ int displayLevels(std::size_t control_points, int levels, const DisplayDetail& d
   double points = static_cast<double>(control_points) * std::pow(4.0, levels);
   int drawn = levels;
   for (; drawn > 1 && points > detail.coarsen_above_points; --drawn) points /= 4;
-  for (; drawn >= levels && drawn < levels + 2 && 4 * points <= detail.refine_below_points; ++drawn) points *= 4;
+  for (; drawn >= levels && drawn < levels + 2 && 4 * points <= detail.refine_below_points; ++drawn)
+    points *= 4;
   return drawn;
 }
 

@@ -8,8 +8,8 @@
 
 namespace airclay {
 
-/// Four cameras of 640 x 480 pixels around the 60 cm cube, about 1.2 m from its centre and at different heights.
-/// Each sees the whole cube, with the mild lens distortion of webcams.
+/// Four cameras of 640 x 480 pixels around the 60 cm cube, about 1.2 m from its centre and at different
+/// heights. Each sees the whole cube, with the mild lens distortion of webcams.
 Rig demoRig();
 
 /// The built-in right hand and its forearm. Hand frame, metres.

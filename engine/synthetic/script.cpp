@@ -6,8 +6,8 @@
 namespace airclay {
 namespace {
 
-/// world_from_hand with the wrist at `wrist`, the fingers along `fingers` and the back of the hand towards `back`
-/// (made perpendicular).
+/// world_from_hand with the wrist at `wrist`, the fingers along `fingers` and the back of the hand towards
+/// `back` (made perpendicular).
 Pose handPose(const Vec3& wrist, const Vec3& fingers, const Vec3& back) {
   const Vec3 x = fingers.normalized(), z = (back - x * x.dot(back)).normalized();
   Pose world_from_hand = Pose::Identity();

@@ -42,9 +42,9 @@ std::vector<vec3> raysOf(const Camera& camera) {
   return rays;
 }
 
-/// The noise table of sensor_io.h. Each channel contains the quantiles of the normal distribution at (i + ½) /
-/// count, in an order given by a lattice rule (Korobov 1959) whose multiplier leaves a correlation of 3e-4 between
-/// channels.
+/// The noise table of sensor_io.h. Each channel contains the quantiles of the normal distribution at (i + ½)
+/// / count, in an order given by a lattice rule (Korobov 1959) whose multiplier leaves a correlation of 3e-4
+/// between channels.
 std::vector<std::uint64_t> noiseTable() {
   constexpr std::uint64_t kCount = 1ull << kNoiseBits, kMultiplier = 6693;
   std::vector<std::uint64_t> quantiles;  // quantized

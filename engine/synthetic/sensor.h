@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Synthetic cameras: images of a hand in a studio as a rig's cameras would record them, with lens distortion and
-// noise.
+// Synthetic cameras: images of a hand in a studio as a rig's cameras would record them, with lens distortion
+// and noise.
 #pragma once
 
 #include <map>
@@ -23,12 +23,12 @@ struct SensorFrame {
 /// Draws rigid meshes (a hand's skin, a forearm) in front of a cloth backdrop, for every camera of a rig.
 class Sensor {
  public:
-  /// `meshes` are in the hand frame, metres, and move together. Distortion is applied per vertex, so triangles
-  /// should be small (1 cm is). `rig` must outlive this. \throw Error if there are no triangles.
+  /// `meshes` are in the hand frame, metres, and move together. Distortion is applied per vertex, so
+  /// triangles should be small (1 cm is). `rig` must outlive this. \throw Error if there are no triangles.
   Sensor(Gpu& gpu, const GpuRig& rig, const std::vector<TriangleMesh>& meshes);
 
-  /// Records a camera's image; without a pose the workspace is empty. Record camera 0 first: it computes the shadow
-  /// for all cameras.
+  /// Records a camera's image; without a pose the workspace is empty. Record camera 0 first: it computes the
+  /// shadow for all cameras.
   void record(Recorder& recorder, std::size_t camera, const std::optional<Pose>& world_from_hand,
               const SensorFrame& frame);
   /// Draws all cameras' images, one submission each, so that other threads' submissions can run in between.
@@ -38,8 +38,8 @@ class Sensor {
   const Buffer<std::uint32_t>& images() const { return images_; }
   /// One camera's image, BGR, 3 bytes per pixel, rows from the top. \pre the recorded work is done
   std::span<const std::uint8_t> image(std::size_t camera) const;
-  /// The fraction of each pixel that the hand covers, 0 to 1, row by row. \pre the recorded work is done, and had a
-  /// pose
+  /// The fraction of each pixel that the hand covers, 0 to 1, row by row. \pre the recorded work is done, and
+  /// had a pose
   std::vector<double> coverage(std::size_t camera) const;
 
  private:
@@ -66,8 +66,9 @@ class Sensor {
   double floor_z_ = 0, wall_radius_ = 0;  ///< metres, workspace frame
 };
 
-/// The ambient visibility of each vertex, 0 (occluded) to 1, with every vertex as a disc (Bunnell 2005, "Dynamic
-/// Ambient Occlusion and Indirect Lighting", GPU Gems 2, chapter 14). `normals`: unit, one per vertex.
+/// The ambient visibility of each vertex, 0 (occluded) to 1, with every vertex as a disc (Bunnell 2005,
+/// "Dynamic Ambient Occlusion and Indirect Lighting", GPU Gems 2, chapter 14). `normals`: unit, one per
+/// vertex.
 std::vector<double> openness(const TriangleMesh& mesh, const std::vector<Vec3>& normals);
 
 }  // namespace airclay

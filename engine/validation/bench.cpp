@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Times each stage separately on the demo's images, then the whole frame. Runs of ours and of the peer alternate, so
-// that other load on the machine affects both.
+// Times each stage separately on the demo's images, then the whole frame. Runs of ours and of the peer
+// alternate, so that other load on the machine affects both.
 #include "engine/validation/bench.h"
 
 #include <Eigen/QR>
@@ -198,14 +198,14 @@ void checkSameVoxels(const Scene& scene, const VoxelGrid& carved, const CarveLoo
                                     voxelCenter(scene.rig.workspace, carved.voxels, x, y, z), kEdgePixels);
       }
   if (different > 0 || occupied == 0)
-    throw Error(
-        "bench: " + std::to_string(different) +
-        " voxels of the plain loop differ from the kernels' away from the silhouettes' edges; expected none (see "
-        "airclay compare)");
+    throw Error("bench: " + std::to_string(different) +
+                " voxels of the plain loop differ from the kernels' away from the silhouettes' edges; "
+                "expected none (see "
+                "airclay compare)");
 }
 
-/// Carves from the packed masks that the silhouette stage writes; if `from_bytes`, also from masks of one byte per
-/// pixel, as the loop does.
+/// Carves from the packed masks that the silhouette stage writes; if `from_bytes`, also from masks of one
+/// byte per pixel, as the loop does.
 void timeCarve(Scene& scene, int voxels, bool from_bytes, std::vector<StageTiming>& timings) {
   Carver carver(scene.gpu, scene.gpu_rig, voxels);
   CarveLoop loop(scene.rig, voxels);
@@ -367,15 +367,15 @@ ClayState tubeClay() {
 
 /// The largest depth of any of the points in the hand, metres.
 double maxDepth(const DistanceGrid& hand, const Pose& world_from_hand, const FitModel& model,
-               const std::vector<Vec3>& points) {
+                const std::vector<Vec3>& points) {
   double depth = -1;
   for (const Vec3& point : points)
     depth = std::max(depth, -sample(hand, world_from_hand.inverse() * point - model.center_of_mass));
   return depth;
 }
 
-/// Moves the hand in one step from outside the clay to 3 mm deep: contact, solve and surface, repeated until the clay is
-/// outside the hand.
+/// Moves the hand in one step from outside the clay to 3 mm deep: contact, solve and surface, repeated until
+/// the clay is outside the hand.
 StageTiming timeClay(Scene& scene) {
   const FitModel model = fitModel(scene.hand);
   const DistanceGrid grid = contactGrid(scene.hand.skin);

@@ -23,7 +23,8 @@ struct BenchOptions {
   int voxels = 128;  ///< along the workspace's edge
 };
 
-/// Times each stage in processing order, and `frame`, the whole frame. Runs of the peer and of ours alternate.
+/// Times each stage in processing order, and `frame`, the whole frame. Runs of the peer and of ours
+/// alternate.
 std::vector<StageTiming> benchStages(Gpu& gpu, const BenchOptions& options = {});
 
 }  // namespace airclay

@@ -141,7 +141,8 @@ struct Box {
   int x0, y0, x1, y1;
 };
 
-/// Collects the connected pixels in the box with the value at `start`; returns whether they touch the box's border.
+/// Collects the connected pixels in the box with the value at `start`; returns whether they touch the box's
+/// border.
 bool floodFill(const std::vector<std::uint8_t>& pixels, int width, const Box& box, int start,
                bool eight_connected, std::vector<std::uint8_t>& visited, std::vector<int>& part) {
   const std::uint8_t value = pixels[std::size_t(start)];

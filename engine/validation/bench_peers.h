@@ -7,8 +7,8 @@
 
 namespace airclay {
 
-/// Carves voxel by voxel: steps along a row in each camera's frame, projects with the lens polynomials, and looks up the
-/// byte mask; the first miss ends the voxel.
+/// Carves voxel by voxel: steps along a row in each camera's frame, projects with the lens polynomials, and
+/// looks up the byte mask; the first miss ends the voxel.
 class CarveLoop {
  public:
   /// \throw Error for a fisheye or rational lens, which the loop does not support.

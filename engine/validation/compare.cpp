@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Runs every kernel on the demo's images and compares it with its reference for the same input, which is the output of
-// the preceding kernels. A wrong kernel therefore shows in one row only.
+// Runs every kernel on the demo's images and compares it with its reference for the same input, which is the
+// output of the preceding kernels. A wrong kernel therefore shows in one row only.
 #include "engine/validation/compare.h"
 
 #include <algorithm>
@@ -27,8 +27,8 @@ namespace {
 constexpr int kBackgroundFrames = 8;
 constexpr int kPressingFrame = 54;  // the hand is against the clay's side
 constexpr int kVoxels = 128;
-// The kernel subtracts squares of grey levels, up to 3 · 255², in single precision: scores closer to a level than this
-// may fall on either side.
+// The kernel subtracts squares of grey levels, up to 3 · 255², in single precision: scores closer to a level
+// than this may fall on either side.
 constexpr double kLevelTolerance = 1e-4;
 
 class Comparisons {
@@ -111,7 +111,8 @@ void compareBackground(Scene& scene, Comparisons& comparisons) {
   comparisons.add("background, grey levels", error, 1e-4);
 }
 
-/// Marks the pixels around one whose score is so close to a level that single and double precision may disagree.
+/// Marks the pixels around one whose score is so close to a level that single and double precision may
+/// disagree.
 void exemptAround(std::vector<char>& exempt, const Mask& mask, std::size_t pixel) {
   // a different level also affects the neighbours (edges.comp)
   const int x = static_cast<int>(pixel) % mask.width, y = static_cast<int>(pixel) / mask.width;
@@ -373,7 +374,8 @@ ContactPoint doubleOf(const GpuContactPoint& point) {
           point.pushed};
 }
 
-/// Moves the hand through fixed clay, frame by frame; each frame's check starts from the kernel's previous result.
+/// Moves the hand through fixed clay, frame by frame; each frame's check starts from the kernel's previous
+/// result.
 void compareContact(Scene& scene, Comparisons& comparisons) {
   const HandModel hand = builtInHand(false);
   const FitModel model = fitModel(hand);
@@ -402,7 +404,8 @@ void compareContact(Scene& scene, Comparisons& comparisons) {
     for (std::size_t i = 0; i < points.size(); ++i) {
       contactReference(grid, {start ? now : before, now, start, true}, rounded[i], points[i]);
       const double found_m = found[i].depth, expected_m = points[i].depth_m;
-      // a point that only grazes the hand may be touched by one and not by the other: then its depth is the error
+      // a point that only grazes the hand may be touched by one and not by the other: then its depth is the
+      // error
       const double apart_m = found[i].state == points[i].state
                                  ? std::abs(found_m - expected_m)
                                  : std::max(std::abs(found_m), std::abs(expected_m));

@@ -274,7 +274,8 @@ TEST(DocumentFaults, AReadOnlyFileOrFolderIsSaidWhenItIsOpened) {
     }
     expectOneLine(message, file, expected);
     if (folder_rights == 0555)
-      expectOneLine(new_message, file.parent_path() / "b.clay", "Permission denied; use a file in a writable folder");
+      expectOneLine(new_message, file.parent_path() / "b.clay",
+                    "Permission denied; use a file in a writable folder");
     fs::permissions(file.parent_path(), fs::perms(0755));
     fs::remove(file.parent_path() / "b.clay");
   };

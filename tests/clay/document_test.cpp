@@ -414,7 +414,8 @@ TEST(Document, SaveAsCopiesTheHistoryAndReplacesAFile) {
   expectOneLine(messageOf([&] { document.saveAs(folder / "b.clay"); }), folder / "b.clay",
                 "is open in another");
   expectOneLine(messageOf([&] { document.saveAs(folder / "a.clay"); }), folder / "a.clay", "own file");
-  expectOneLine(messageOf([&] { document.saveAs(folder.path()); }), folder.path(), "it is not a regular file");
+  expectOneLine(messageOf([&] { document.saveAs(folder.path()); }), folder.path(),
+                "it is not a regular file");
   const fs::path nowhere = folder / "none" / "c.clay";
   expectOneLine(messageOf([&] { document.saveAs(nowhere); }), nowhere, "cannot be written");
   EXPECT_EQ(namesOf(copy), (Names{"New", "Push", "Push", "Push", "Push", "Push", "Push", ">Refine"}));

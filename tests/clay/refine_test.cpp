@@ -162,7 +162,8 @@ TEST(Refine, SaysWhenTheControlPointsBecomeTooMany) {
   for (int i = 0; i < 4; ++i) state = refine(state);  // 26, 98, 386, 1538
   EXPECT_EQ(state.cage.points.size(), 1538u);
   const std::string message = messageOf([&] { refine(state); });  // 6146
-  EXPECT_NE(message.find("refining turns 1538 control points into 6146; expected at most 4096"), std::string::npos)
+  EXPECT_NE(message.find("refining turns 1538 control points into 6146; expected at most 4096"),
+            std::string::npos)
       << message;
   EXPECT_NE(message.find("touched"), std::string::npos) << message;
   state.solve = &kSolveTouched;
