@@ -78,11 +78,13 @@ bool FrameReader::read(FrameSet& set) {
   else if (!recording_.readImages(set.frame, buffers))
     return false;
   set.decode_ms = recording_.isLive() ? 0 : millisecondsSince(set.captured_at);
-  set.captured_at = recording_.capturedAt().value_or(set.captured_at);
+  if (const LiveSource* live = recording_.live()) {
+    set.captured_at = live->capturedAt().value_or(set.captured_at);
+    set.camera_problems = live->cameraProblems();
+  }
   set.time_s = recording_.timeOf(set.frame);
   set.camera_times_s = recording_.cameraTimesOf(set.frame);
   set.missing_cameras = recording_.missingCameras();
-  set.camera_problems = recording_.camera_problems();
   return true;
 }
 

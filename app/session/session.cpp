@@ -294,7 +294,7 @@ void Session::showSilence() {
     if (snapshot_.silent && now - snapshot_.captured_at < kSilence) return;
     snapshot_.silent = true;
     snapshot_.captured_at = now;
-    snapshot_.camera_problems = options_.recording->camera_problems();
+    snapshot_.camera_problems = options_.recording->live()->cameraProblems();
     snapshot_.rate_hz = 0;
     snapshot_.trust = TrackingState::kNoHand;
     snapshot_.hands.clear();

@@ -58,7 +58,7 @@ bool LiveRecording::readImages(int frame, Buffers bgr) {
   return true;
 }
 
-std::vector<std::string> LiveRecording::camera_problems() const {
+std::vector<std::string> LiveRecording::cameraProblems() const {
   std::vector<std::string> lines;
   for (const CameraStatus& camera : cameras_.status())
     if (camera.state != CameraState::kLive && camera.state != CameraState::kEnded)

@@ -12,7 +12,7 @@ namespace airclay {
 
 /// The first frames teach the empty workspace, and are complete sets; later a camera may be absent while two
 /// others are there.
-class LiveRecording : public Recording {
+class LiveRecording : public Recording, private LiveSource {
  public:
   /// `cameras` in the rig's order (inOrderOf). \throw Error naming the camera that cannot be opened, or gives
   /// images of another size than the rig says.
@@ -29,12 +29,13 @@ class LiveRecording : public Recording {
   bool readImages(int frame, Buffers bgr) override;
   const std::optional<std::vector<TimedPose>>& truth() const override { return no_truth_; }
 
-  bool isLive() const override { return true; }
-  std::optional<Clock::time_point> capturedAt() const override;
   std::uint32_t missingCameras() const override { return missing_cameras_; }
-  std::vector<std::string> camera_problems() const override;
+  const LiveSource* live() const override { return this; }
 
  private:
+  std::optional<Clock::time_point> capturedAt() const override;
+  std::vector<std::string> cameraProblems() const override;
+
   Rig rig_;
   LiveCameras cameras_;
   int background_frames_;

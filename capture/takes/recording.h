@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <optional>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "capture/takes/poses_file.h"
 #include "engine/camera/mask.h"
@@ -13,6 +15,17 @@
 #include "engine/core/clock.h"
 
 namespace airclay {
+
+/// Live cameras: frame k is the newest set of images, and none can be read again. Recording::readImages() is
+/// also false if no image comes for a while; frameCount() is the end, unknown at first.
+class LiveSource {
+ public:
+  virtual ~LiveSource() = default;
+  /// When the set that was read last was captured; nullopt before the first.
+  virtual std::optional<Clock::time_point> capturedAt() const = 0;
+  /// Current problems of the cameras, a few words each: "left: frozen".
+  virtual std::vector<std::string> cameraProblems() const = 0;
+};
 
 class Recording {
  public:
@@ -51,16 +64,11 @@ class Recording {
   /// True poses, where they are known.
   virtual const std::optional<std::vector<TimedPose>>& truth() const = 0;
 
-  // --- cameras that run (live_recording.h). What follows, and the times, are of the frame read last ---
-
-  /// Frames are what comes now, and none can be read again. readImages() is also false when none came for a
-  /// while: the end is where frameCount() says it, at first nowhere.
-  virtual bool isLive() const { return false; }
-  virtual std::optional<Clock::time_point> capturedAt() const { return std::nullopt; }
-  /// Bits of the cameras without an image of that instant.
+  /// Bit k: camera k has no image of the frame that was read last.
   virtual std::uint32_t missingCameras() const { return 0; }
-  /// What is wrong with the cameras now, a few words each: "left: frozen".
-  virtual std::vector<std::string> camera_problems() const { return {}; }
+  /// The cameras, if they are live; null for a recording.
+  virtual const LiveSource* live() const { return nullptr; }
+  bool isLive() const { return live() != nullptr; }
 };
 
 /// A frame's masks, one per camera. \pre recording.hasSilhouettes() and 0 <= frame < recording.frameCount()
