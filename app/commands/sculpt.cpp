@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // `airclay sculpt` and `airclay demo`: sculpt from a recording, live cameras, the mouse, or synthetic
 // cameras.
-#include <unistd.h>
 #include <CLI/CLI.hpp>
 #include <ctime>
 #include <memory>
@@ -12,6 +11,7 @@
 #include "app/cli/output_paths.h"
 #include "app/commands/sculpting.h"
 #include "app/session/take_options.h"
+#include "app/session/temporary_document.h"
 #include "app/studio/settings.h"
 #include "app/studio/studio.h"
 #include "app/studio/window.h"
@@ -131,24 +131,6 @@ void sculptInWindow(Gpu& gpu, const Session::Options& session, const SculptOptio
   else
     printLine(options, "the clay is saved in " + file.string());
 }
-
-/// A temporary document, for runs without a window.
-class TemporaryDocument {
- public:
-  TemporaryDocument()
-      : file_(std::filesystem::temp_directory_path() / ("airclay-" + std::to_string(::getpid()) + ".clay")) {
-    std::error_code ignored;
-    std::filesystem::remove(file_, ignored);
-  }
-  ~TemporaryDocument() {
-    std::error_code ignored;
-    std::filesystem::remove(file_, ignored);
-  }
-  const std::filesystem::path& file() const { return file_; }
-
- private:
-  std::filesystem::path file_;
-};
 
 /// What runs with and without a window share.
 struct Job {

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The user's actions on a session: edits, files, recordings, and their replay.
-#include <unistd.h>
-
 #include "app/session/session.h"
+#include "app/session/temporary_document.h"
 #include "engine/clay/clay.h"
 #include "engine/clay/refine.h"
 #include "engine/core/error.h"
@@ -15,12 +14,9 @@ namespace {
 
 /// A document's clay. Does not modify the file, which may be read-only.
 ClayState stateIn(const std::filesystem::path& file) {
-  const std::filesystem::path copy =
-      std::filesystem::temp_directory_path() / ("airclay-" + std::to_string(::getpid()) + ".clay");
-  std::filesystem::copy_file(file, copy, std::filesystem::copy_options::overwrite_existing);
-  const ClayState state = Document::open(copy).state();
-  std::filesystem::remove(copy);
-  return state;
+  const TemporaryDocument copy(file.filename());
+  std::filesystem::copy_file(file, copy.file());
+  return Document::open(copy.file()).state();
 }
 
 /// Whether both fit the same buffers.

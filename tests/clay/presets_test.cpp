@@ -3,7 +3,6 @@
 #include "engine/clay/presets.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 
@@ -11,6 +10,7 @@
 #include "engine/core/error.h"
 #include "engine/mesh/manifold.h"
 #include "engine/mesh/mesh_file.h"
+#include "tests/support/temporary_folder.h"
 
 namespace airclay {
 namespace {
@@ -99,8 +99,8 @@ TEST(Presets, UnknownOnesAreNamedWithThoseThereAre) {
 }
 
 TEST(Presets, LoadCageReadsPresetsAndFiles) {
-  const std::filesystem::path file =
-      std::filesystem::temp_directory_path() / ("airclay_presets_" + std::to_string(::getpid()) + ".obj");
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder / "vase.obj";
   writeObj(file, presetCage("vase"));
   EXPECT_EQ(loadCage(file.string()).faces, presetCage("vase").faces);
   std::filesystem::remove(file);

@@ -3,7 +3,6 @@
 #include "engine/clay/solve.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <Eigen/LU>
 #include <Eigen/SVD>
@@ -13,6 +12,7 @@
 
 #include "engine/clay/presets.h"
 #include "engine/core/error.h"
+#include "tests/support/temporary_folder.h"
 
 namespace airclay {
 namespace {
@@ -269,17 +269,12 @@ TEST(Solve, RefusesWhatItCannotDo) {
 
 class MovesFile : public ::testing::Test {
  protected:
-  void SetUp() override {
-    const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
-    file_ = std::filesystem::temp_directory_path() /
-            ("airclay_" + std::string(test->name()) + std::to_string(::getpid()) + ".csv");
-  }
-  void TearDown() override { std::filesystem::remove(file_); }
   std::vector<Move> read(const std::string& content) const {
     std::ofstream(file_, std::ios::binary) << content;
     return readMoves(file_, 364);
   }
-  std::filesystem::path file_;
+  TemporaryFolder folder_;
+  const std::filesystem::path file_ = folder_ / "moves.csv";
 };
 
 TEST_F(MovesFile, ReadsMoves) {

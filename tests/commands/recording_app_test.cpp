@@ -222,7 +222,7 @@ TEST_F(RecordingApp, KilledItCanBePlayedAsFarAsItGoes) {
   // in the midst of it: after so many lines of actions
   Process program(
       {AIRCLAY_PROGRAM, "sculpt", at("take"), "--headless", "--record", at("cut"), "--out", at("cut-out")},
-      {}, folder / "output", folder / "errors");
+      {{"TMPDIR", folder.path()}}, folder / "output", folder / "errors");
   const auto lines = [&] {
     const std::string text = contentOf(folder / "cut/actions.txt");
     return std::count(text.begin(), text.end(), '\n');

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Hands in glTF binaries, right ones and damaged ones, that the tests write themselves.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <cstdint>
@@ -11,6 +10,7 @@
 
 #include "engine/core/error.h"
 #include "engine/hand/hand_model.h"
+#include "tests/support/temporary_folder.h"
 
 namespace airclay {
 namespace {
@@ -214,9 +214,6 @@ class GlbWriter {
 
 class HandFile : public testing::Test {
  protected:
-  void SetUp() override { std::filesystem::create_directories(folder_); }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
   HandModel read(const Glb& glb) { return readBytes(GlbWriter(glb).bytes()); }
 
   HandModel readBytes(const std::string& bytes) {
@@ -240,8 +237,7 @@ class HandFile : public testing::Test {
     return "";
   }
 
-  std::filesystem::path folder_ =
-      std::filesystem::temp_directory_path() / ("airclay-hand-file-" + std::to_string(getpid()));
+  TemporaryFolder folder_;
   std::filesystem::path path_ = folder_ / "test-hand.glb";
 };
 
@@ -333,7 +329,7 @@ TEST_F(HandFile, IsRefusedWhenTooLargeOrAbsent) {
   std::filesystem::resize_file(path_, 65u << 20);  // sparse on the disk
   EXPECT_THROW(readHandModel(path_), Error);
   EXPECT_THROW(readHandModel(folder_ / "absent.glb"), Error);
-  EXPECT_THROW(readHandModel(folder_), Error);
+  EXPECT_THROW(readHandModel(folder_.path()), Error);
 }
 
 TEST_F(HandFile, EndsNeitherInACrashNorInAnotherFaultWhenCutAnywhere) {

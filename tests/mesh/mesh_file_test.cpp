@@ -4,27 +4,19 @@
 #include "engine/core/file_io.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cstring>
 #include <fstream>
 #include <sstream>
 
 #include "engine/core/error.h"
+#include "tests/support/temporary_folder.h"
 
 namespace airclay {
 namespace {
 
 class MeshFile : public ::testing::Test {
  protected:
-  void SetUp() override {
-    const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = std::filesystem::temp_directory_path() /
-              ("airclay_mesh_" + std::string(test->name()) + std::to_string(::getpid()));
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
   std::filesystem::path put(const std::string& content) const {
     const std::filesystem::path file = folder_ / "cage.obj";
     std::ofstream(file, std::ios::binary) << content;
@@ -45,7 +37,7 @@ class MeshFile : public ::testing::Test {
     return content.str();
   }
 
-  std::filesystem::path folder_;
+  TemporaryFolder folder_;
 };
 
 const std::string kSquare = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
@@ -136,7 +128,7 @@ TEST_F(MeshFile, BoundsWhatItReads) {
   EXPECT_EQ(readWhole(file, 10), "0123456789");
   EXPECT_THROW(readWhole(file, 9), Error);
   EXPECT_THROW(readWhole("/dev/zero", 1 << 20), Error);
-  EXPECT_THROW(readObj(folder_), Error);
+  EXPECT_THROW(readObj(folder_.path()), Error);
   EXPECT_THROW(readObj(folder_ / "none.obj"), Error);
 }
 
@@ -177,13 +169,13 @@ TEST_F(MeshFile, WritesWholeFilesOrNone) {
   EXPECT_TRUE(std::filesystem::is_symlink(folder_ / "link"));
   EXPECT_EQ(contentOf(file), "newer");
 
-  EXPECT_THROW(writeWhole(folder_, "x"), Error);
+  EXPECT_THROW(writeWhole(folder_.path(), "x"), Error);
   EXPECT_THROW(writeWhole(folder_ / "missing" / "out.obj", "x"), Error);
   EXPECT_THROW(writeWhole(file / "out.obj", "x"), Error);
   EXPECT_THROW(writeWhole("/dev/full", "x"), Error);  // a full disk
   EXPECT_TRUE(std::filesystem::is_character_file("/dev/full"));
   int entries = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(folder_)) entries += entry.exists();
+  for (const auto& entry : std::filesystem::directory_iterator(folder_.path())) entries += entry.exists();
   EXPECT_EQ(entries, 2);  // nothing is left beside
 }
 

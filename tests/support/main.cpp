@@ -1,8 +1,14 @@
 // SPDX-License-Identifier: MIT
-// Runs the tests; after each one, the validation layer must have been silent and every guard word whole.
+// Runs the tests. Fails a test after which the validation layer has reported a message or a guard word is
+// overwritten. Fails the run if it leaves files in the temporary folder.
+#include <unistd.h>
+
+#include <cstdio>
 #include <memory>
+#include <optional>
 
 #include "tests/support/gpu_fixture.h"
+#include "tests/support/temporary_folder.h"
 
 namespace airclay {
 namespace {
@@ -22,6 +28,30 @@ class GpuListener : public testing::EmptyTestEventListener {
   std::size_t reported_ = 0;
 };
 
+/// The temporary folder of this process and of the programs that it runs, in the build folder.
+class TemporaryRoot {
+ public:
+  TemporaryRoot() {
+    std::filesystem::create_directories(AIRCLAY_BUILD "/tests/tmp");
+    setenv("TMPDIR", AIRCLAY_BUILD "/tests/tmp", 1);
+    folder_.emplace();
+    setenv("TMPDIR", folder_->path().c_str(), 1);
+  }
+  /// Runs after the destructors of all static objects that tests create.
+  ~TemporaryRoot() {
+    bool empty = true;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_->path())) {
+      std::fprintf(stderr, "%s: left in the temporary folder\n", entry.path().c_str());
+      empty = false;
+    }
+    folder_.reset();
+    if (!empty) _exit(1);
+  }
+
+ private:
+  std::optional<TemporaryFolder> folder_;
+};
+
 }  // namespace
 
 Gpu& testGpu() {
@@ -37,6 +67,7 @@ Gpu& testGpu() {
 }  // namespace airclay
 
 int main(int argc, char** argv) {
+  static const airclay::TemporaryRoot temporary_root;  // first, so that it is destroyed last
   testing::InitGoogleTest(&argc, argv);
   testing::UnitTest::GetInstance()->listeners().Append(new airclay::GpuListener);
   const int result = RUN_ALL_TESTS();
