@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The documentation against the project: links lead somewhere, files that the text names exist, and the table
-// of commands is the program's own.
+// Checks the documentation: links resolve, named files exist, and the command reference equals the
+// program's output.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -36,7 +36,7 @@ std::vector<std::string> findAll(const std::string& text, const std::regex& expr
   return found;
 }
 
-/// A heading as GitHub makes it an anchor: lower case, spaces to dashes, punctuation dropped.
+/// The anchor that GitHub generates for a heading: lower case, spaces become dashes, punctuation is dropped.
 std::string anchorOf(const std::string& heading) {
   std::string anchor;
   for (const unsigned char c : heading) {
@@ -56,7 +56,7 @@ bool hasAnchor(const std::string& markdown, const std::string& anchor) {
   return false;
 }
 
-TEST(Docs, LinksLeadSomewhere) {
+TEST(Docs, LinksResolve) {
   static const std::regex kLink(R"re(\]\(([^)\s]+)\))re");
   std::size_t checked = 0;
   for (const fs::path& file : documents()) {
@@ -75,13 +75,13 @@ TEST(Docs, LinksLeadSomewhere) {
   EXPECT_GE(checked, 60u);
 }
 
-/// `engine/hull/carve.cpp`, also with a line's end such as `carve*.comp` or a folder.
-TEST(Docs, FilesThatTheTextNamesExist) {
+/// `engine/hull/carve.cpp`, also with a wildcard such as `carve*.comp`, or a folder.
+TEST(Docs, NamedFilesExist) {
   static const std::regex kPath(
       R"re(`((?:app|capture|engine|shaders|tests|third_party|\.ci|\.github)/[A-Za-z0-9_./*-]*)`)re");
   std::size_t checked = 0;
   for (const fs::path& file : documents()) {
-    if (file.filename() == "CHANGELOG.md") continue;  // names what there once was
+    if (file.filename() == "CHANGELOG.md") continue;  // names former files
     for (const std::string& path : findAll(contentOf(file), kPath)) {
       const fs::path name = fs::path(path).filename(), folder = kSource / fs::path(path).parent_path();
       bool found = fs::exists(kSource / path);
@@ -100,15 +100,15 @@ TEST(Docs, FilesThatTheTextNamesExist) {
   EXPECT_GE(checked, 60u);
 }
 
-TEST(Docs, TheReferenceOfCommandsIsTheProgramsOwn) {
-  const Ran ran = runAirclay({"reference", "markdown"});
-  ASSERT_EQ(ran.status, 0) << ran.errors;
-  EXPECT_TRUE(ran.output == contentOf(kSource / "app/docs/commands.md"))
+TEST(Docs, CommandReferenceIsUpToDate) {
+  const RunResult result = runAirclay({"reference", "markdown"});
+  ASSERT_EQ(result.status, 0) << result.errors;
+  EXPECT_TRUE(result.output == contentOf(kSource / "app/docs/commands.md"))
       << "app/docs/commands.md is out of date; run\n"
          "    build/release/airclay reference markdown > app/docs/commands.md";
 }
 
-TEST(Docs, TheReadmeStartsWithTheTwoCommands) {
+TEST(Docs, ReadmeNamesTheTwoCommands) {
   const std::string readme = contentOf(kSource / "README.md");
   EXPECT_NE(readme.find("./airclay demo"), std::string::npos);
   EXPECT_NE(readme.find("./airclay test"), std::string::npos);

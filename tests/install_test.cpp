@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// `cmake --install` into an empty folder: the library is found and used from there as any program would use
-// it, the headers stand alone, and the program runs with its man page, completions and desktop entry.
+// `cmake --install` into an empty folder: programs find and use the library there, every header compiles on
+// its own, and the program runs with its man page, completions and desktop entry.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -27,17 +27,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// An installed tree, for the tests of one process.
+/// An installed tree, shared by the tests of one process.
 class Install : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     if (AIRCLAY_SANITIZED) return;
     folder_ = std::make_unique<TemporaryFolder>();
-    // A staged install, as packagers make it, and then moved: nothing may depend on the first place.
+    // A staged install, as packagers make it, then moved: nothing may depend on the original location.
     const fs::path stage = *folder_ / "stage";
-    const Ran ran = runProgram({"cmake", "--install", AIRCLAY_BUILD, "--prefix", "/opt/airclay"},
-                               {{"DESTDIR", stage.string()}});
-    ASSERT_EQ(ran.status, 0) << ran.output << ran.errors;
+    const RunResult result = runProgram({"cmake", "--install", AIRCLAY_BUILD, "--prefix", "/opt/airclay"},
+                                        {{"DESTDIR", stage.string()}});
+    ASSERT_EQ(result.status, 0) << result.output << result.errors;
     fs::rename(stage / "opt/airclay", prefix());
     EXPECT_FALSE(fs::exists("/opt/airclay"));
   }
@@ -63,13 +63,13 @@ std::unique_ptr<TemporaryFolder> Install::folder_;
 
 void expectSuccess(const std::vector<std::string>& arguments,
                    const std::map<std::string, std::string>& environment = {}) {
-  const Ran ran = runProgram(arguments, environment);
-  EXPECT_EQ(ran.status, 0) << arguments.front() << ": " << ran.output << ran.errors;
+  const RunResult result = runProgram(arguments, environment);
+  EXPECT_EQ(result.status, 0) << arguments.front() << ": " << result.output << result.errors;
 }
 
 // ------------------------------------------------------------------------------------------------- examples
 
-/// Silhouettes of a sphere as a take: frame 3 shows it, the frames before are empty.
+/// Silhouettes of a sphere as a take: visible in frame 3, earlier frames are empty.
 void writeSphereTake(const fs::path& folder, const Rig& rig, const Vec3& centre, double radius_m) {
   fs::create_directories(folder);
   writeRig(folder / "rig.toml", rig, RotationFormat::kMatrices);
@@ -100,7 +100,7 @@ double coneHullVolume(const Rig& rig, const Vec3& centre, double radius_m) {
   return std::pow(step_m, 3) * static_cast<double>(inside);
 }
 
-/// An OBJ of triangles that need not be manifold: voxels may touch along an edge.
+/// Reads an OBJ of triangles, manifold or not: voxels may touch along an edge.
 TriangleMesh readTriangles(const fs::path& file) {
   TriangleMesh mesh;
   std::istringstream content(contentOf(file));
@@ -125,9 +125,9 @@ void checkHullExample(const fs::path& program, const fs::path& folder) {
   const double expected_m3 = coneHullVolume(rig, centre, 0.08);
   EXPECT_GT(expected_m3, 4.0 / 3 * M_PI * std::pow(0.08, 3));
   EXPECT_NEAR(massProperties(readTriangles(folder / "hull.obj")).volume_m3 / expected_m3, 1,
-              0.03);  // a pixel is 3 mm, a voxel 5
+              0.03);  // a pixel is 3 mm, a voxel 5 mm
 
-  const Ran missing = runProgram({program, folder / "sphere", "4", folder / "none.obj"});
+  const RunResult missing = runProgram({program, folder / "sphere", "4", folder / "none.obj"});
   EXPECT_EQ(missing.status, 1);
   EXPECT_NE(missing.errors.find("frame 4"), std::string::npos) << missing.errors;
 }
@@ -144,8 +144,8 @@ void checkPosesExample(const fs::path& program, const fs::path& folder) {
   EXPECT_LT(median(errors_m), 0.004);
 }
 
-/// A cage is fixed by its data points, and subdivision is invariant under affine maps: data points that an
-/// affine map moves must take the cage and the surface with them.
+/// Data points determine a cage, and subdivision is invariant under affine maps: moving the data points by an
+/// affine map must move the cage and the surface by the same map.
 void checkSurfaceExample(const fs::path& program, const fs::path& folder,
                          const std::map<std::string, std::string>& environment = {}) {
   Eigen::Affine3d map = Eigen::Affine3d::Identity();
@@ -173,7 +173,7 @@ void checkSurfaceExample(const fs::path& program, const fs::path& folder,
   EXPECT_EQ(new_surface.faces, surface.faces);
 }
 
-TEST_F(Install, ExamplesFindThePackageAndComputeTheTruth) {
+TEST_F(Install, ExamplesBuildAndComputeCorrectResults) {
   const fs::path build = scratch("build");
   expectSuccess({"cmake", "-G", "Ninja", "-S", std::string(AIRCLAY_SOURCE) + "/app/examples", "-B", build,
                  "-DCMAKE_PREFIX_PATH=" + prefix().string(), "-DCMAKE_CXX_COMPILER=" AIRCLAY_CXX,
@@ -187,7 +187,7 @@ TEST_F(Install, ExamplesFindThePackageAndComputeTheTruth) {
   checkSurfaceExample(build / "moves_to_surface", folder);
 }
 
-TEST_F(Install, PkgConfigSuffices) {
+TEST_F(Install, PkgConfigBuildsAProgram) {
   const fs::path program = scratch("moves_to_surface");
   const std::string source = std::string(AIRCLAY_SOURCE) + "/app/examples/moves_to_surface.cpp";
   expectSuccess(
@@ -210,7 +210,7 @@ TEST_F(Install, ExamplesAreShort) {
 
 // -------------------------------------------------------------------------------------------------- headers
 
-/// Every installed header, as it is included: "engine/pipeline.h".
+/// Every installed header in the form that programs include it: "engine/pipeline.h".
 std::vector<std::string> headersBelow(const fs::path& include) {
   std::vector<std::string> headers;
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(include))
@@ -239,7 +239,7 @@ bool reaches(const fs::path& include, const std::string& from, const std::string
                      [&](const std::string& next) { return reaches(include, next, to, seen); });
 }
 
-TEST_F(Install, NoHeaderIncludesAnInternalOne) {
+TEST_F(Install, NoPublicHeaderIncludesAnInternalOne) {
   const fs::path include = prefix() / "include/airclay";
   const std::vector<std::string> headers = headersBelow(include);
   EXPECT_GE(headers.size(), 80u);
@@ -271,22 +271,22 @@ TEST_F(Install, EveryHeaderCompilesOnItsOwn) {
   }
   const fs::path list = scratch_folder / "commands";
   writeWhole(list, commands);
-  const Ran ran = runProgram({"sh", "-c",
-                              "cd '" + include.string() + "' && xargs -d '\\n' -P " +
-                                  std::to_string(std::thread::hardware_concurrency()) +
-                                  " -I{} sh -c '{}' < '" + list.string() + "'"});
-  EXPECT_EQ(ran.status, 0);
-  EXPECT_EQ(ran.output + ran.errors, "");
+  const RunResult result = runProgram({"sh", "-c",
+                                       "cd '" + include.string() + "' && xargs -d '\\n' -P " +
+                                           std::to_string(std::thread::hardware_concurrency()) +
+                                           " -I{} sh -c '{}' < '" + list.string() + "'"});
+  EXPECT_EQ(result.status, 0);
+  EXPECT_EQ(result.output + result.errors, "");
 }
 
 // ------------------------------------------------------------------------------------- program and desktop
 
-TEST_F(Install, TheProgramRunsFromWhereverItIs) {
-  const Ran version = runProgram({prefix() / "bin/airclay", "--version"}, {{"LD_LIBRARY_PATH", ""}});
+TEST_F(Install, ProgramRunsFromAnyPrefix) {
+  const RunResult version = runProgram({prefix() / "bin/airclay", "--version"}, {{"LD_LIBRARY_PATH", ""}});
   EXPECT_EQ(version.status, 0) << version.errors;
   EXPECT_TRUE(std::regex_match(version.output, std::regex(R"(\d+\.\d+\.\d+\n)"))) << version.output;
   // Its own libraries, not those of the build.
-  const Ran libraries = runProgram({"ldd", prefix() / "bin/airclay"}, {{"LD_LIBRARY_PATH", ""}});
+  const RunResult libraries = runProgram({"ldd", prefix() / "bin/airclay"}, {{"LD_LIBRARY_PATH", ""}});
   std::istringstream lines(libraries.output);
   int found = 0;
   for (std::string line; std::getline(lines, line);)
@@ -297,23 +297,23 @@ TEST_F(Install, TheProgramRunsFromWhereverItIs) {
   EXPECT_EQ(found, 2) << libraries.output;
 }
 
-TEST_F(Install, TheManPageRenders) {
+TEST_F(Install, ManPageRenders) {
   const fs::path page = prefix() / "share/man/man1/airclay.1";
   const std::string source = contentOf(page);
   for (const char* part : {".TH AIRCLAY 1", ".SH NAME", ".SH SYNOPSIS", ".SH COMMANDS", ".SH EXIT STATUS"})
     EXPECT_NE(source.find(part), std::string::npos) << part;
   if (runProgram({"sh", "-c", "command -v groff"}).status != 0) return;
-  const Ran rendered = runProgram({"groff", "-man", "-Tascii", "-ww", page});
+  const RunResult rendered = runProgram({"groff", "-man", "-Tascii", "-ww", page});
   EXPECT_EQ(rendered.status, 0);
   EXPECT_EQ(rendered.errors, "");
   EXPECT_NE(rendered.output.find("--poses"), std::string::npos);
 }
 
-/// What bash offers for a command line that ends with the cursor behind its last word.
-std::string completed(const fs::path& completion, const std::vector<std::string>& words) {
+/// The completions that bash offers at the end of a command line.
+std::string completed(const fs::path& completion, const std::vector<std::string>& arguments) {
   std::string script = "source '" + completion.string() + "'; COMP_WORDS=(airclay";
-  for (const std::string& word : words) script += " '" + word + "'";
-  script += "); COMP_CWORD=" + std::to_string(words.size()) + "; _airclay; echo \"${COMPREPLY[*]}\"";
+  for (const std::string& argument : arguments) script += " '" + argument + "'";
+  script += "); COMP_CWORD=" + std::to_string(arguments.size()) + "; _airclay; echo \"${COMPREPLY[*]}\"";
   return runProgram({"bash", "-euc", script}).output;
 }
 
@@ -324,13 +324,13 @@ TEST_F(Install, BashCompletesCommandsAndOptions) {
   EXPECT_EQ(completed(completion, {"rig", "che"}), "check\n");
 }
 
-TEST_F(Install, ZshAndFishScriptsAreThere) {
+TEST_F(Install, InstallsZshAndFishCompletions) {
   EXPECT_TRUE(contentOf(prefix() / "share/zsh/site-functions/_airclay").starts_with("#compdef airclay\n"));
   const std::string fish = contentOf(prefix() / "share/fish/vendor_completions.d/airclay.fish");
   EXPECT_NE(fish.find("complete -c airclay -n __fish_use_subcommand -a track"), std::string::npos);
 }
 
-TEST_F(Install, TheDesktopEntryNamesWhatIsInstalled) {
+TEST_F(Install, DesktopEntryNamesInstalledFiles) {
   const fs::path file = prefix() / "share/applications/airclay.desktop";
   const std::string entry = contentOf(file);
   EXPECT_TRUE(entry.starts_with("[Desktop Entry]\n"));

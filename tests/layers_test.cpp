@@ -43,7 +43,7 @@ std::vector<fs::path> sources() {
   return files;
 }
 
-/// What `file` includes of this project, as paths from the source folder.
+/// The project headers that `file` includes, as paths from the source folder.
 std::vector<std::string> includesOf(const fs::path& file) {
   static const std::regex kInclude(
       R"re(^\s*#\s*include\s+["<]((?:shaders|engine|capture|app)/[^">]+)[">])re");
@@ -58,7 +58,7 @@ std::string folderOf(const std::string& file) {
   return fs::path(file).parent_path().generic_string();
 }
 
-TEST(Layers, EveryFolderHasAPlaceInTheOrder) {
+TEST(Layers, EveryFolderIsInTheOrder) {
   const std::map<std::string, int> order = layers();
   ASSERT_GE(sources().size(), 300u);
   for (const fs::path& file : sources())
@@ -66,7 +66,7 @@ TEST(Layers, EveryFolderHasAPlaceInTheOrder) {
         << sourcePath(file) << ": its folder is not in AIRCLAY_LAYERS";
 }
 
-TEST(Layers, AFolderIncludesOnlyItselfAndFoldersBeforeIt) {
+TEST(Layers, FoldersIncludeOnlyEarlierFolders) {
   const std::map<std::string, int> order = layers();
   std::size_t checked = 0;
   for (const fs::path& file : sources()) {

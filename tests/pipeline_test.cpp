@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The whole line, from the synthetic cameras' pixels to an OBJ.
+// The complete pipeline, from the pixels of synthetic cameras to an OBJ.
 #include "engine/pipeline.h"
 
 #include <algorithm>
@@ -24,7 +24,7 @@ ClayState tube() {
   return options;
 }
 
-/// A recording through a pipeline, frame by frame.
+/// Runs a recording through a pipeline, frame by frame.
 struct Session {
   Synthetic recording;
   HandModel hand = builtInHand(false);
@@ -54,7 +54,7 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-/// How deep the deepest point is in the hand, metres.
+/// Depth of the deepest point inside the hand, metres.
 double deepest(const DistanceGrid& hand, const Pose& world_from_hand, const std::vector<Vec3>& points) {
   double depth = 0;
   for (const Vec3& point : points) depth = std::max(depth, -sample(hand, world_from_hand.inverse() * point));
@@ -89,8 +89,7 @@ TEST(Pipeline, SculptsTheTubeFromPixelsToAnObj) {
   EXPECT_LE(median(shifts_m), 0.002);
   EXPECT_LE(median(turns_degrees), 1);
 
-  // the hand came from +x and pressed the side in, then from above and pressed the rim down; nothing came
-  // near the back
+  // the hand pressed the side in from +x, then the rim down from above; the back stays untouched
   const PolygonMesh surface = session.pipeline.clay().surface(), cage = session.pipeline.clay().cage();
   double side = 0, rim = 0, back = 0;
   for (std::size_t i = 0; i < before.size(); ++i) {
@@ -106,7 +105,7 @@ TEST(Pipeline, SculptsTheTubeFromPixelsToAnObj) {
   EXPECT_LT(rim, 0.04);
   EXPECT_LT(back, 0.01);
 
-  // (5) d = A p holds in the files
+  // (5): the files satisfy d = A p
   const TemporaryFolder folder;
   writeObj(folder / "surface.obj", surface);
   writeObj(folder / "cage.obj", cage);
@@ -135,27 +134,27 @@ TEST(Pipeline, TwoRunsGiveTheSameBits) {
     EXPECT_EQ(poses[0][i].matrix(), poses[1][i].matrix()) << "frame " << 10 + 3 * i;
 }
 
-TEST(Pipeline, TheClayStaysWhereTheHandIsNotFoundOrTheClutchIsOpen) {
+TEST(Pipeline, ClayStaysWithoutHandOrClutch) {
   Session session;
-  constexpr int pressing = 48, pressed = 58;  // the fingers go in at 1.3 s and stay at 1.9 s
+  constexpr int pressing = 48, pressed = 58;  // the fingers press from 1.3 s on and rest at 1.9 s
   for (int frame = 36; frame <= pressing; frame += 2) session.process(frame);
   const std::vector<Vec3> dented = session.surface();
 
-  // nobody there
+  // no hand
   EXPECT_EQ(session.process(0).state(), HandState::kEmpty);
   EXPECT_EQ(session.surface(), dented);
-  // a ball is something, but no hand
+  // a ball is visible, but not a hand
   EXPECT_EQ(
       session.pipeline.processMasks(sphereMasks(session.recording.rig(), Vec3(0.02, 0.03, 0), 0.06)).state(),
       HandState::kLost);
   EXPECT_EQ(session.surface(), dented);
-  // the hand is back, deep in the clay: what is inside it is left alone
+  // the hand returns deep inside the clay: what is inside it does not move
   const FrameResult back = session.process(pressed);
   EXPECT_EQ(back.state(), HandState::kTracked);
   EXPECT_TRUE(back.searched);
   EXPECT_EQ(session.surface(), dented);
 
-  // with the clutch open the hand is tracked and passes through
+  // with an open clutch, the hand is tracked and passes through the clay
   session.pipeline.resetTracking();
   for (int frame = 36; frame <= pressed; frame += 2) {
     EXPECT_EQ(session.process(frame, false).state(), HandState::kTracked);
@@ -163,7 +162,7 @@ TEST(Pipeline, TheClayStaysWhereTheHandIsNotFoundOrTheClutchIsOpen) {
   }
 }
 
-TEST(Pipeline, StagesAreTimedByNameAndTheFrameIsLonger) {
+TEST(Pipeline, TimesStagesAndTheWholeFrame) {
   Session session;
   session.process(36);
   const FrameResult result = session.process(37);
@@ -178,7 +177,7 @@ TEST(Pipeline, StagesAreTimedByNameAndTheFrameIsLonger) {
   EXPECT_LT(sum_ms, result.frame_ms);
 }
 
-TEST(Pipeline, MasksAreUsedAsTheyAre) {
+TEST(Pipeline, MasksReplaceSegmentation) {
   HandCameras cameras;
   const Rig rig = cameras.rig().rig();
   const HandScript script = demoScript();
@@ -197,12 +196,12 @@ TEST(Pipeline, MasksAreUsedAsTheyAre) {
   EXPECT_LE(median(turns_degrees), 1);
 }
 
-TEST(Pipeline, AGivenHandSculptsWithoutCamerasAndTheClayCanBeReplaced) {
+TEST(Pipeline, GivenHandSculptsWithoutCameras) {
   const Rig rig = ringRig(4);
   const HandModel hand = builtInHand(false);
   const DistanceGrid distances = signedDistanceGrid(hand.skin, 0.002, 0.01);
   Pipeline pipeline(testGpu(), rig, hand, {.time_every = 1}, tube());
-  // the fingers come from +x, pointing along -x
+  // the fingers come from +x and point along -x
   const auto handAt = [](double x) {
     return Pose(Eigen::Translation3d(x, 0, 0) * Eigen::AngleAxisd(M_PI, Vec3::UnitZ()));
   };
@@ -223,7 +222,7 @@ TEST(Pipeline, AGivenHandSculptsWithoutCamerasAndTheClayCanBeReplaced) {
   const std::vector<Vec3> pressed = pipeline.clay().surface().points;
   EXPECT_NE(pressed, before);
 
-  // cameras come in between: the given hand's way to its new place is not known
+  // camera frames in between: the given hand's path to its new position is unknown
   std::vector<Mask> masks = sphereMasks(rig, Vec3::Zero(), 0.002);
   EXPECT_EQ(pipeline.processMasks(masks).state(), HandState::kEmpty);
   pipeline.sculptWith(std::array{HandPose{handAt(0.2), {}}});
@@ -231,7 +230,7 @@ TEST(Pipeline, AGivenHandSculptsWithoutCamerasAndTheClayCanBeReplaced) {
   EXPECT_EQ(pipeline.sculptWith(std::array{HandPose{handAt(0.1), {}}}, {.held = false}).clay.touched, 0);
   EXPECT_EQ(pipeline.clay().surface().points, pressed);
 
-  // the same clay anew, and the same strokes on it
+  // a new copy of the same clay, and the same strokes
   pipeline.setClay(tube());
   EXPECT_EQ(pipeline.clay().surface().points, before);
   press();
@@ -249,7 +248,7 @@ TEST(Pipeline, AGivenHandSculptsWithoutCamerasAndTheClayCanBeReplaced) {
   EXPECT_EQ(pipeline.sculptWith(std::array{HandPose{handAt(0.2), {}}}).clay.touched, 0);
 }
 
-TEST(Pipeline, WhatCannotBeProcessedIsRefused) {
+TEST(Pipeline, RejectsInvalidInput) {
   const Rig rig = ringRig(4);
   Pipeline pipeline(testGpu(), rig, builtInHand(false));
   EXPECT_NE(messageOf([&] { pipeline.processImages(); }).find("empty"), std::string::npos);
@@ -259,7 +258,7 @@ TEST(Pipeline, WhatCannotBeProcessedIsRefused) {
   masks = sphereMasks(rig, Vec3::Zero(), 0.05);
   masks[2].width /= 2;
   EXPECT_NE(messageOf([&] { pipeline.processMasks(masks); }).find("cam2"), std::string::npos);
-  // and the pipeline is none the worse
+  // the pipeline still works
   masks = sphereMasks(rig, Vec3::Zero(), 0.002);
   EXPECT_EQ(pipeline.processMasks(masks).state(), HandState::kEmpty);
   EXPECT_THROW(Pipeline(testGpu(), rig, builtInHand(false), {0}), Error);

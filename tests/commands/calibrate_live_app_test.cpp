@@ -134,7 +134,7 @@ class CalibrateWindow : public CalibrateLive {
 TEST_F(CalibrateWindow, ShowsTheCamerasAndMakesTheRigWhenTold) {
   start({"--loop"});
   const Screenshot first = desktop.screenshot();
-  ASSERT_TRUE(waitUntil([&] { return differingShare(first, desktop.screenshot(), 0.9) > 0.05; }))
+  ASSERT_TRUE(waitUntil([&] { return differingFraction(first, desktop.screenshot(), 0.9) > 0.05; }))
       << "the cameras' images move";
   desktop.key("w");
   // too few views at first: it says so, and goes on
@@ -158,7 +158,7 @@ TEST_F(CalibrateWindow, CamerasAreWatchedInOneToo) {
     watch.insert(watch.end(), {"--camera", camera.name + "=" + (folder / (camera.name + ".mp4")).string()});
   open(watch);
   const Screenshot first = desktop.screenshot();
-  EXPECT_TRUE(waitUntil([&] { return differingShare(first, desktop.screenshot(), 0.9) > 0.02; }));
+  EXPECT_TRUE(waitUntil([&] { return differingFraction(first, desktop.screenshot(), 0.9) > 0.02; }));
   EXPECT_TRUE(waitUntil([&] { return contentOf(folder / "output").find("live") != std::string::npos; }))
       << contentOf(folder / "output");
   desktop.key("Escape");

@@ -99,7 +99,7 @@ class Studio : public testing::Test {
     const auto rests = [&] {
       std::this_thread::sleep_for(std::chrono::milliseconds(1500));  // finer half a second after a change
       const Screenshot before = std::exchange(shot, desktop->screenshot());
-      return differingShare(before, shot, kMiddle) == 0;
+      return differingFraction(before, shot, kMiddle) == 0;
     };
     EXPECT_TRUE(waitUntil(rests));
     return shot;
@@ -137,7 +137,7 @@ class Studio : public testing::Test {
     const Screenshot before = desktop->screenshot();
     desktop->key(keys);
     // It covers the middle, and dims the rest.
-    ASSERT_TRUE(waitUntil([&] { return differingShare(before, desktop->screenshot(), 0.4) > 0.5; }));
+    ASSERT_TRUE(waitUntil([&] { return differingFraction(before, desktop->screenshot(), 0.4) > 0.5; }));
     desktop->type(name);
     desktop->key("Return");
   }

@@ -19,7 +19,7 @@ TEST_F(Studio, ATakeIsPlayedToItsEndAndAlwaysMakesTheSameClay) {
     EXPECT_EQ(log()["frame"], frames - 1);
     const Screenshot before = desktop->screenshot();
     desktop->key("F1");  // the window is there, and listens
-    EXPECT_TRUE(waitUntil([&] { return differingShare(before, desktop->screenshot(), 0.4) > 0.5; }));
+    EXPECT_TRUE(waitUntil([&] { return differingFraction(before, desktop->screenshot(), 0.4) > 0.5; }));
     close();
   }
   const ClayState once = Document::open(at("a.clay")).state();

@@ -46,7 +46,7 @@ TEST_F(Studio, MousePushesClayUndoRedoRefine) {
   start({"--save", file});
   const Screenshot hint = restingFrame();
   desktop->key("Escape");
-  EXPECT_TRUE(waitUntil([&] { return differingShare(hint, desktop->screenshot(), 0.4) > 0.5; }));
+  EXPECT_TRUE(waitUntil([&] { return differingFraction(hint, desktop->screenshot(), 0.4) > 0.5; }));
   const ClayState begun = kept(file).state();
   EXPECT_TRUE(sameClay(begun, tubeState()));
 
@@ -155,7 +155,7 @@ TEST_F(Studio, SharedMemoryAndTheSwapchainShowTheSame) {
     const Screenshot first = restingFrame();
     desktop->key("Tab");  // the panels' figures are never the same
     desktop->key("7");    // from the top: another image
-    EXPECT_TRUE(waitUntil([&] { return differingShare(first, desktop->screenshot(), kMiddle) > 0; }));
+    EXPECT_TRUE(waitUntil([&] { return differingFraction(first, desktop->screenshot(), kMiddle) > 0; }));
     const Screenshot shot = restingFrame();
     close();
     return shot;
@@ -164,12 +164,12 @@ TEST_F(Studio, SharedMemoryAndTheSwapchainShowTheSame) {
   desktop.reset();
   desktop.emplace(Desktop::Options{.shared_memory = false});
   const Screenshot swapped = shownBy("swapchain");
-  EXPECT_EQ(differingShare(shared, swapped, kMiddle), 0);
+  EXPECT_EQ(differingFraction(shared, swapped, kMiddle), 0);
   // and it is an image: of clay before a backdrop
   Screenshot even = shared;
   std::fill(even.rgb.begin(), even.rgb.end(),
             shared.rgb[even.rgb.size() / 2 + 3 * std::size_t(even.width) / 2]);
-  EXPECT_GT(differingShare(shared, even, 0.5), 0.5);
+  EXPECT_GT(differingFraction(shared, even, 0.5), 0.5);
 }
 
 TEST_F(Studio, FilesThatCannotBeCostNothing) {

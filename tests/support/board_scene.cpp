@@ -11,13 +11,13 @@
 namespace airclay {
 namespace {
 
-// Rays are computed exactly at every second pixel's corner and interpolated between: with the strongest
-// distortion of the tests that is off by less than 0.001 px.
+// Rays are exact at every second pixel corner and interpolated in between: with the strongest distortion of
+// the tests, the error is below 0.001 px.
 constexpr int kStep = 2;
 constexpr int kSamples = 64;
 
-/// A lattice of 64 points in the unit square whose shadows on either axis are 64 different, evenly spaced
-/// values: an upright edge is as finely resolved as a slanted one.
+/// A lattice of 64 points in the unit square whose projections on either axis are 64 evenly spaced values:
+/// vertical edges are sampled as finely as slanted ones.
 const std::array<Vec2, kSamples>& samples() {
   static const std::array<Vec2, kSamples> points = [] {
     std::array<Vec2, kSamples> made;
@@ -27,7 +27,7 @@ const std::array<Vec2, kSamples>& samples() {
   return points;
 }
 
-/// Where the light of a pixel comes from, on the board's plane.
+/// The area on the board's plane that a pixel sees.
 class BoardPlane {
  public:
   BoardPlane(const Camera& camera, const Pose& world_from_board)
@@ -35,7 +35,7 @@ class BoardPlane {
 
   bool shows(const Board& board) const { return board.two_sided || board_from_camera_.translation().z() < 0; }
 
-  /// NaN where the pixel's ray does not meet the plane.
+  /// NaN if the pixel's ray does not meet the plane.
   Vec2 at(const Vec2& pixel) const {
     const Vec2 nowhere = Vec2::Constant(std::nan(""));
     const std::optional<Vec3> ray = rayThroughPixel(lens_, pixel);
@@ -51,11 +51,11 @@ class BoardPlane {
   Pose board_from_camera_;
 };
 
-/// Points of the plane at the corners of a tile of kStep x kStep pixels.
+/// Points on the plane for the corners of a tile of kStep x kStep pixels.
 struct Tile {
   Vec2 upper_left, upper_right, lower_left, lower_right;
 
-  /// \param share of the tile, 0 to 1 along either axis
+  /// \param share position within the tile, 0 to 1 along either axis
   Vec2 at(const Vec2& share) const {
     const Vec2 upper = upper_left + share.x() * (upper_right - upper_left);
     const Vec2 lower = lower_left + share.x() * (lower_right - lower_left);
@@ -63,7 +63,7 @@ struct Tile {
   }
 };
 
-/// The grey value of a point on the plane.
+/// The grey value at a point of the plane.
 class Sheet {
  public:
   Sheet(const Board& board, const BoardShot& shot, bool printed)
@@ -81,8 +81,8 @@ class Sheet {
     return printed_ && pattern_.isBlack(point) ? shot_.black : shot_.white;
   }
 
-  /// Whether a box holds no edge for certain: all its points lie in one cell of one marker, or in one part
-  /// of a square, or far beyond the paper.
+  /// Whether a box certainly contains no edge: all its points are in one cell of a marker, in one part of a
+  /// square, or far outside the paper.
   bool isPlain(const Vec2& low, const Vec2& high) const {
     const Board& board = pattern_.board();
     const Vec2 size(board.widthM(), board.heightM());
@@ -92,7 +92,7 @@ class Sheet {
   }
 
  private:
-  /// The number of lines, along one axis, that lie before `x`: edges of squares, markers and cells, and of
+  /// The number of lines before `x` along one axis: edges of squares, markers, cells, and of
   /// the paper.
   int stripe(double x) const {
     const Board& board = pattern_.board();
@@ -112,7 +112,7 @@ class Sheet {
 
   BoardPattern pattern_;
   BoardShot shot_;
-  bool printed_;  ///< on the side that is seen
+  bool printed_;  ///< whether the visible side is printed
   double cell_m_, inset_m_;
 };
 

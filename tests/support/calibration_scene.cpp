@@ -17,7 +17,7 @@ Vec3 eyeOf(const Camera& camera) {
   return camera.camera_from_world.inverse().translation();
 }
 
-/// A right-handed frame whose z is `forward`.
+/// A right-handed frame with z = `forward`.
 Mat3 facing(const Vec3& forward, double roll) {
   const Vec3 z = forward.normalized();
   const Vec3 x =
@@ -27,7 +27,7 @@ Mat3 facing(const Vec3& forward, double roll) {
   return frame * Eigen::AngleAxisd(roll, Vec3::UnitZ()).toRotationMatrix();
 }
 
-/// The point nearest to the rays of all cameras that see `point`, through the recovered ones.
+/// The point nearest to the recovered rays of all cameras that see `point`.
 std::optional<Vec3> triangulated(const Rig& truth, const Rig& recovered, const Vec3& point) {
   Mat3 sum = Mat3::Zero();
   Vec3 right = Vec3::Zero();
@@ -48,7 +48,7 @@ std::optional<Vec3> triangulated(const Rig& truth, const Rig& recovered, const V
   return Vec3(sum.ldlt().solve(right));
 }
 
-/// All at once: drawing takes long.
+/// Renders in parallel, because it is slow.
 void forEachCamera(const Rig& rig, const std::function<void(const Camera&)>& draw) {
   std::vector<std::future<void>> drawn;
   for (const Camera& camera : rig.cameras)
@@ -64,7 +64,7 @@ std::vector<std::uint8_t> imageOf(const Board& board, const Camera& camera, cons
   return drawBoard(board, camera, boards[frame], shot);
 }
 
-/// Points of the true rig's cube where the recovered rig finds them, and where they are.
+/// Points of the true rig's workspace: as the recovered rig finds them, and their true positions.
 struct CubePoints {
   std::vector<Vec3> found, true_ones;
 
@@ -77,15 +77,15 @@ struct CubePoints {
   }
 };
 
-/// The points of the middle `share` of the cube's edge.
-CubePoints cubePoints(const Rig& truth, const Rig& recovered, double share) {
+/// The points in the central `fraction` of the workspace's edge.
+CubePoints cubePoints(const Rig& truth, const Rig& recovered, double fraction) {
   constexpr int kSteps = 12;
   CubePoints points;
   for (int i = 0; i <= kSteps; ++i)
     for (int j = 0; j <= kSteps; ++j)
       for (int k = 0; k <= kSteps; ++k) {
         const Vec3 from_middle = Vec3(i, j, k) / kSteps - Vec3::Constant(0.5);
-        if (from_middle.cwiseAbs().maxCoeff() > share / 2 + 1e-9) continue;
+        if (from_middle.cwiseAbs().maxCoeff() > fraction / 2 + 1e-9) continue;
         const Vec3 point = truth.workspace.center + truth.workspace.edge_m * from_middle;
         const std::optional<Vec3> found = triangulated(truth, recovered, point);
         if (found) points.found.push_back(*found), points.true_ones.push_back(point);
@@ -93,7 +93,7 @@ CubePoints cubePoints(const Rig& truth, const Rig& recovered, double share) {
   return points;
 }
 
-/// true_from_found, the rigid transform of least squares (Umeyama 1991).
+/// true_from_found, the least-squares rigid transform (Umeyama 1991).
 Pose alignment(const CubePoints& points) {
   Pose pose;
   pose.matrix() = Eigen::umeyama(points.foundMatrix(), points.trueMatrix(), false);
@@ -121,11 +121,12 @@ std::vector<Pose> wavedBoards(const Rig& rig, const Board& board, const Wave& wa
   const Vec3 middle = 0.5 * board.square_m * Vec3(board.squares_x, board.squares_y, 0);
   std::vector<Pose> boards;
   for (int frame = 0; frame < wave.frames; ++frame) {
-    // Towards the middle of two neighbouring cameras, where both see it; then tilted.
+    // Towards the middle of two neighbouring cameras, so that both see it; then tilted.
     const std::size_t first = static_cast<std::size_t>(frame) % rig.cameras.size();
     const Vec3 a = eyeOf(rig.cameras[first]), b = eyeOf(rig.cameras[(first + 1) % rig.cameras.size()]);
-    const double share = 0.5 + 0.4 * any(random);
-    const Vec3 towards = (share * a + (1 - share) * b).normalized() + Vec3(0, 0, 0.5 + 0.5 * any(random));
+    const double fraction = 0.5 + 0.4 * any(random);
+    const Vec3 towards =
+        (fraction * a + (1 - fraction) * b).normalized() + Vec3(0, 0, 0.5 + 0.5 * any(random));
     Pose pose = Pose::Identity();
     const Vec3 tilt = 0.5 * Vec3(any(random), any(random), any(random));
     pose.linear() = rotationFromVector(tilt) * facing(-towards, 0.6 * any(random));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Simple solids as hands, and a hand's place as the fit leaves it.
+// Simple solids as hands, and hand poses in the fit's format.
 #pragma once
 
 #include "engine/hand/hand_model.h"
@@ -7,8 +7,8 @@
 
 namespace airclay {
 
-/// A ball about the origin, its skin within 0.02 mm of the sphere. The engine asks no more of a hand than its
-/// skin.
+/// A ball about the origin, its skin within 0.02 mm of the sphere. The engine needs only the skin of a
+/// hand.
 HandModel ballHand(double radius_m);
 
 /// A box about the origin.

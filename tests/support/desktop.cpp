@@ -33,7 +33,7 @@ std::uint32_t bigEndian(const std::string& bytes, std::size_t word) {
 
 // ------------------------------------------------------------------------------------------- images
 
-double differingShare(const Screenshot& a, const Screenshot& b, double part) {
+double differingFraction(const Screenshot& a, const Screenshot& b, double part) {
   if (a.width != b.width || a.height != b.height) return 1;
   const int left = static_cast<int>(a.width * (1 - part) / 2),
             top = static_cast<int>(a.height * (1 - part) / 2);
@@ -56,8 +56,8 @@ bool Desktop::possible() {
 }
 
 Desktop::Desktop(const Options& options) {
-  // The server takes the first free number and says which; its image is a file (-fbdir). Without -noreset
-  // it would begin anew whenever its last client leaves, and drop one that is just coming.
+  // The server takes the first free number and reports it; its image is a file (-fbdir). Without -noreset, it
+  // would restart whenever its last client disconnects, and drop a client that is just connecting.
   const std::filesystem::path number = folder_ / "number";
   server_.emplace(
       std::vector<std::string>{"sh", "-c",
@@ -74,7 +74,7 @@ Desktop::Desktop(const Options& options) {
   display_.pop_back();
   manager_.emplace(std::vector<std::string>{"openbox", "--sm-disable"}, environment(),
                    folder_ / "manager_output", folder_ / "manager_errors");
-  // It is there once it has said how many desktops there are.
+  // The window manager is ready once it has set the number of desktops.
   if (!waitUntil([&] { return !xdotool({"get_num_desktops"}).empty() || !manager_->running(); }) ||
       !manager_->running())
     throw std::runtime_error("no window manager: " + contentOf(folder_ / "manager_errors"));
@@ -92,21 +92,22 @@ std::map<std::string, std::string> Desktop::environment() const {
 }
 
 Screenshot Desktop::screenshot() const {
-  // X's own dump (XWDFile.h): a header of big-endian words, a colour map of 12 bytes an entry, the pixels
+  // X's dump format (XWDFile.h): a header of big-endian 32-bit values, a colour map of 12 bytes per entry,
+  // the pixels
   const std::string dump = contentOf(folder_ / "Xvfb_screen0");
   const std::size_t width = bigEndian(dump, 4), height = bigEndian(dump, 5), row_bytes = bigEndian(dump, 12);
   const std::size_t first = bigEndian(dump, 0) + 12 * bigEndian(dump, 19);
   Screenshot shot{static_cast<int>(width), static_cast<int>(height), {}};
   for (std::size_t y = 0; y < height; ++y)
     for (std::size_t x = 0; x < width; ++x)
-      for (const std::size_t channel : {2, 1, 0})  // B G R and nothing
+      for (const std::size_t channel : {2, 1, 0})  // B G R and padding
         shot.rgb.push_back(static_cast<std::uint8_t>(dump.at(first + y * row_bytes + 4 * x + channel)));
   return shot;
 }
 
-std::string Desktop::xdotool(const std::vector<std::string>& words) const {
+std::string Desktop::xdotool(const std::vector<std::string>& arguments) const {
   std::vector<std::string> all = {"xdotool"};
-  all.insert(all.end(), words.begin(), words.end());
+  all.insert(all.end(), arguments.begin(), arguments.end());
   Process process(all, environment(), folder_ / "tool_output", folder_ / "tool_errors");
   if (process.waitForExit() != 0) return "";
   std::string said = contentOf(folder_ / "tool_output");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A display of a test's own, with a window manager, and what somebody sitting before it would do.
+// A private X display with a window manager, simulated keys and mouse, and screenshots.
 #pragma once
 
 #include <cstdint>
@@ -9,36 +9,36 @@
 
 namespace airclay {
 
-/// Colours as they stand on the display: R G B, rows from the top.
+/// Displayed colours: R G B, rows from the top.
 struct Screenshot {
   int width = 0, height = 0;
   std::vector<std::uint8_t> rgb;
 };
-/// How much of the image differs by more than a few of 255 levels, of 1, within a part of it that is
-/// centred and `part` times as wide and high.
-double differingShare(const Screenshot& a, const Screenshot& b, double part);
+/// The fraction of pixels that differ by more than a few levels of 255, within a centred part of the image
+/// that is `part` times as wide and high.
+double differingFraction(const Screenshot& a, const Screenshot& b, double part);
 
 class Desktop {
  public:
-  /// Whether there is an X server that needs no screen.
+  /// Whether Xvfb, a window manager and xdotool are installed.
   static bool possible();
 
   struct Options {
-    bool shared_memory = true;  ///< the server takes images from memory that it shares with programs
+    bool shared_memory = true;  ///< the server supports MIT-SHM
   };
-  /// Ready when this returns: the window manager has taken over.
+  /// Returns when the window manager is running.
   Desktop() : Desktop(Options{}) {}
   explicit Desktop(const Options& options);
   ~Desktop();
 
-  /// What a program must have in its environment to come up here.
+  /// Environment variables that open a program's windows on this display.
   std::map<std::string, std::string> environment() const;
   Screenshot screenshot() const;
 
-  // --- as xdotool does it, to the window that is the only one ---
-  /// Waits for it, and for it to have the keyboard.
+  // --- xdotool, applied to the only window ---
+  /// Waits until the window exists and has the keyboard focus.
   void findWindow(const std::string& title);
-  /// As xdotool names them: "ctrl+shift+z".
+  /// In xdotool's syntax: "ctrl+shift+z".
   void key(const std::string& keys);
   void keyDown(const std::string& key);
   void keyUp(const std::string& key);
@@ -52,7 +52,7 @@ class Desktop {
   void restore();
 
  private:
-  std::string xdotool(const std::vector<std::string>& words) const;
+  std::string xdotool(const std::vector<std::string>& arguments) const;
 
   TemporaryFolder folder_;
   std::string display_, window_;

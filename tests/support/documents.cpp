@@ -47,10 +47,10 @@ std::string someDocument(const TemporaryFolder& folder) {
 void alter(const std::filesystem::path& file, const std::string& sql) {
   sqlite3* connection = nullptr;
   ASSERT_EQ(sqlite3_open(file.c_str(), &connection), SQLITE_OK);
-  char* complaint = nullptr;
-  EXPECT_EQ(sqlite3_exec(connection, sql.c_str(), nullptr, nullptr, &complaint), SQLITE_OK)
-      << sql << ": " << (complaint ? complaint : "");
-  sqlite3_free(complaint);
+  char* message = nullptr;
+  EXPECT_EQ(sqlite3_exec(connection, sql.c_str(), nullptr, nullptr, &message), SQLITE_OK)
+      << sql << ": " << (message ? message : "");
+  sqlite3_free(message);
   sqlite3_close(connection);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Documents for tests, and how another program would read and alter them.
+// Documents for tests, and access to them through SQLite as another program would.
 #pragma once
 
 #include "engine/clay/document.h"
@@ -10,21 +10,21 @@ namespace airclay {
 constexpr std::size_t kMaxDocumentBytes = std::size_t(64) << 20;
 
 ClayState tubeState();
-/// A grid of 64 x 64 control points: as many as the solve over all rows takes.
+/// A grid of 64 x 64 control points: the limit of the solve over all rows.
 ClayState largeState();
-/// The state after stroke `number`: other control points, nothing else, every bit of them told by the number.
+/// The state after stroke `number`: only the control points differ, and the number determines every bit.
 ClayState afterStroke(ClayState state, int number);
-/// The bytes of whole.clay, made in `folder`: eight entries, of which the sixth is current.
+/// The bytes of whole.clay, created in `folder`: eight entries, the sixth is current.
 std::string someDocument(const TemporaryFolder& folder);
 
-/// Statements as another program would run them on the file.
+/// Runs statements on the file as another program would.
 void alter(const std::filesystem::path& file, const std::string& sql);
-/// The rows of a query as another program reads them; bytes as they are.
+/// The rows of a query as another program reads them; blobs as bytes.
 std::vector<std::vector<std::string>> rowsOf(const std::filesystem::path& file, const std::string& sql);
 
-/// Of the history, the current one with a > before it.
+/// Names in the history; > marks the current one.
 std::vector<std::string> namesOf(const Document& document);
-/// The message is one line, begins with the file's name and says `expected`.
+/// The message is one line, begins with the file name and contains `expected`.
 void expectOneLine(const std::string& message, const std::filesystem::path& file,
                    const std::string& expected);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The device that all tests share: with the validation layer, synchronization checks, and guard words around
-// every buffer. A validation message or a damaged guard fails the test in which it came
+// every buffer. A validation message or an overwritten guard word fails the current test
 // (tests/support/main.cpp).
 #pragma once
 
@@ -10,7 +10,7 @@
 
 namespace airclay {
 
-/// Made on first use, destroyed after the last test.
+/// Created on first use, destroyed after the last test.
 Gpu& testGpu();
 
 }  // namespace airclay

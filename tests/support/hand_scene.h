@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The built-in hand before cameras, as silhouettes: what a perfect segmentation would give.
+// Silhouettes of the built-in hand: the result of a perfect segmentation.
 #pragma once
 
 #include "engine/synthetic/demo_scene.h"
@@ -7,12 +7,12 @@
 
 namespace airclay {
 
-/// Draws meshes that move with the hand before the cameras of a rig.
+/// Renders meshes in a hand pose for the cameras of a rig.
 class HandCameras {
  public:
   explicit HandCameras(const Rig& rig = demoRig(), const std::vector<TriangleMesh>& meshes = demoArm());
 
-  /// The pixels that the meshes cover to half, one mask a camera.
+  /// The pixels that are at least half covered, one mask per camera.
   std::vector<Mask> masks(const Pose& world_from_hand);
   const GpuRig& rig() const { return rig_; }
 
@@ -22,11 +22,11 @@ class HandCameras {
   Recorder recorder_;
 };
 
-/// The rig seen from a world turned about its origin: what was at p is at turn * p, and the images stay.
+/// The rig in a world rotated about its origin: the point p becomes turn * p, and the images stay the same.
 /// \pre the workspace's centre is the origin
 Rig turned(const Rig& rig, const Eigen::Quaterniond& turn);
 
-/// How far a pose is from the true one: metres at the hand's centre of gravity, and degrees.
+/// The distance of a pose from the true one: metres at the hand's centre of gravity, and degrees.
 struct PoseError {
   double shift_m = 0, turn_degrees = 0;
 };

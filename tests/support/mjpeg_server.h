@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A camera on the network, as telephones and cheap IP cameras are: MJPEG over HTTP, on this machine alone.
+// A network camera, like a phone or a cheap IP camera: MJPEG over HTTP, on the loopback interface.
 #pragma once
 
 #include <atomic>
@@ -9,11 +9,11 @@
 
 namespace airclay {
 
-/// Serves an image that changes, `rate_hz` times a second, to one client at a time; gone with its object, as
-/// a camera that is switched off.
+/// Serves changing images at `rate_hz` to one client at a time. Destruction looks like a camera that is
+/// switched off.
 class MjpegServer {
  public:
-  /// `port` 0: any that is free.
+  /// `port` 0: any free port.
   MjpegServer(ImageSize size, double rate_hz, int port = 0);
   ~MjpegServer();
   MjpegServer(const MjpegServer&) = delete;

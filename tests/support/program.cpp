@@ -24,7 +24,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr auto kLookAgain = std::chrono::milliseconds(5);  // short beside any run
+constexpr auto kPollInterval = std::chrono::milliseconds(5);  // short compared to any run
 
 std::vector<std::string> mergedEnvironment(const std::map<std::string, std::string>& extra) {
   std::map<std::string, std::string> all;
@@ -32,7 +32,7 @@ std::vector<std::string> mergedEnvironment(const std::map<std::string, std::stri
     const std::string text = *entry;
     all[text.substr(0, text.find('='))] = text.substr(std::min(text.find('=') + 1, text.size()));
   }
-  // whoever runs the tests may sit before a display: it is not for windows of theirs
+  // Windows must not open on the display of whoever runs the tests.
   all.erase("DISPLAY");
   all.erase("WAYLAND_DISPLAY");
   for (const auto& [name, value] : extra) all[name] = value;
@@ -48,18 +48,18 @@ std::vector<char*> pointers(std::vector<std::string>& texts) {
   return result;
 }
 
-/// The child's side of fork(): only calls that are safe there, for other threads may hold locks.
-[[noreturn]] void become(char* const* words, char* const* environment, const char* output,
-                         const char* errors) {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);  // a test that crashes leaves no display behind
-  const int to_output = open(output, O_WRONLY | O_CREAT | O_TRUNC, 0600);
-  const int to_errors = open(errors, O_WRONLY | O_CREAT | O_TRUNC, 0600);
-  const int from_nothing = open("/dev/null", O_RDONLY);
-  if (to_output < 0 || to_errors < 0 || from_nothing < 0) _exit(127);
-  dup2(from_nothing, STDIN_FILENO);
-  dup2(to_output, STDOUT_FILENO);
-  dup2(to_errors, STDERR_FILENO);
-  execvpe(words[0], words, environment);
+/// The child's part of fork(): only async-signal-safe calls, because other threads may hold locks.
+[[noreturn]] void runChild(char* const* arguments, char* const* environment, const char* output,
+                           const char* errors) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);  // a crashing test leaves no server running
+  const int output_file = open(output, O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  const int errors_file = open(errors, O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  const int null_input = open("/dev/null", O_RDONLY);
+  if (output_file < 0 || errors_file < 0 || null_input < 0) _exit(127);
+  dup2(null_input, STDIN_FILENO);
+  dup2(output_file, STDOUT_FILENO);
+  dup2(errors_file, STDERR_FILENO);
+  execvpe(arguments[0], arguments, environment);
   _exit(127);
 }
 
@@ -70,24 +70,25 @@ std::string contentOf(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 
-bool waitUntil(const std::function<bool()>& true_yet, double deadline_s) {
-  const auto since = Clock::now();
-  while (!true_yet()) {
-    if (std::chrono::duration<double>(Clock::now() - since).count() > deadline_s) return false;
-    std::this_thread::sleep_for(kLookAgain);
+bool waitUntil(const std::function<bool()>& condition, double deadline_s) {
+  const auto started = Clock::now();
+  while (!condition()) {
+    if (std::chrono::duration<double>(Clock::now() - started).count() > deadline_s) return false;
+    std::this_thread::sleep_for(kPollInterval);
   }
   return true;
 }
 
 // ------------------------------------------------------------------------------------------- programs
 
-Process::Process(const std::vector<std::string>& words, const std::map<std::string, std::string>& environment,
-                 const std::filesystem::path& output, const std::filesystem::path& errors) {
-  std::vector<std::string> all_words = words, entries = mergedEnvironment(environment);
-  const std::vector<char*> word_pointers = pointers(all_words), entry_pointers = pointers(entries);
+Process::Process(const std::vector<std::string>& arguments,
+                 const std::map<std::string, std::string>& environment, const std::filesystem::path& output,
+                 const std::filesystem::path& errors) {
+  std::vector<std::string> all_arguments = arguments, entries = mergedEnvironment(environment);
+  const std::vector<char*> argument_pointers = pointers(all_arguments), entry_pointers = pointers(entries);
   pid_ = fork();
   if (pid_ < 0) throw std::runtime_error("cannot fork");
-  if (pid_ == 0) become(word_pointers.data(), entry_pointers.data(), output.c_str(), errors.c_str());
+  if (pid_ == 0) runChild(argument_pointers.data(), entry_pointers.data(), output.c_str(), errors.c_str());
 }
 
 Process::~Process() {
@@ -114,17 +115,17 @@ void Process::send(int signal) {
   if (running()) kill(pid_, signal);
 }
 
-std::vector<std::string> Ran::errorLines() const {
+std::vector<std::string> RunResult::errorLines() const {
   std::vector<std::string> lines;
   std::istringstream in(errors);
   for (std::string line; std::getline(in, line);) lines.push_back(line);
   return lines;
 }
 
-Ran runAirclay(const std::vector<std::string>& words, const RunOptions& options) {
+RunResult runAirclay(const std::vector<std::string>& arguments, const RunOptions& options) {
   const TemporaryFolder folder;
   std::vector<std::string> all = {AIRCLAY_PROGRAM};
-  all.insert(all.end(), words.begin(), words.end());
+  all.insert(all.end(), arguments.begin(), arguments.end());
   Process program(all, options.environment, folder / "output", folder / "errors");
   if (options.terminate_after_ms > 0) {
     std::this_thread::sleep_for(std::chrono::milliseconds(options.terminate_after_ms));
@@ -134,22 +135,22 @@ Ran runAirclay(const std::vector<std::string>& words, const RunOptions& options)
     waitUntil([&] { return !program.running() || options.interrupt_when(); });
     program.send(SIGINT);
   }
-  Ran ran;
-  ran.status = *program.waitForExit(INFINITY);
-  ran.output = contentOf(folder / "output");
-  ran.errors = contentOf(folder / "errors");
-  return ran;
+  RunResult result;
+  result.status = *program.waitForExit(INFINITY);
+  result.output = contentOf(folder / "output");
+  result.errors = contentOf(folder / "errors");
+  return result;
 }
 
-Ran runProgram(const std::vector<std::string>& arguments,
-               const std::map<std::string, std::string>& environment) {
+RunResult runProgram(const std::vector<std::string>& arguments,
+                     const std::map<std::string, std::string>& environment) {
   const TemporaryFolder folder;
   Process program(arguments, environment, folder / "output", folder / "errors");
-  Ran ran;
-  ran.status = *program.waitForExit(INFINITY);
-  ran.output = contentOf(folder / "output");
-  ran.errors = contentOf(folder / "errors");
-  return ran;
+  RunResult result;
+  result.status = *program.waitForExit(INFINITY);
+  result.output = contentOf(folder / "output");
+  result.errors = contentOf(folder / "errors");
+  return result;
 }
 
 }  // namespace airclay

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Programs that tests run: above all the built one, run as a user runs it.
+// Runs programs, above all the built `airclay`, as a user would.
 #pragma once
 
 #include <filesystem>
@@ -11,26 +11,26 @@
 
 namespace airclay {
 
-/// How long a test waits for what must come: long, as machines are slow, and only a failure takes it.
+/// Timeout of waits: long, because machines may be slow and only failures reach it.
 inline constexpr double kDeadlineS = 60;
 
-/// Looks again and again whether `true_yet`; false when it never was.
-bool waitUntil(const std::function<bool()>& true_yet, double deadline_s = kDeadlineS);
+/// Polls `condition`. Returns false after the timeout.
+bool waitUntil(const std::function<bool()>& condition, double deadline_s = kDeadlineS);
 
-/// A program that runs beside the test, and ends with it.
+/// A child process; the destructor ends it.
 class Process {
  public:
-  /// `words` begin with the program's name, looked for in PATH. Output and errors go to files.
-  Process(const std::vector<std::string>& words, const std::map<std::string, std::string>& environment,
+  /// `arguments` begin with the program's name, searched in PATH. Output and errors go to files.
+  Process(const std::vector<std::string>& arguments, const std::map<std::string, std::string>& environment,
           const std::filesystem::path& output, const std::filesystem::path& errors);
   ~Process();
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
 
   bool running() { return !exitStatus(); }
-  /// 128 + the signal that ended it; none while it runs.
+  /// Exit status, or 128 + the signal that ended it; empty while it runs.
   std::optional<int> exitStatus();
-  /// The same, once it has ended; none when it doesn't.
+  /// The same after waiting; empty after the timeout.
   std::optional<int> waitForExit(double deadline_s = kDeadlineS);
   void send(int signal);
 
@@ -39,12 +39,12 @@ class Process {
   std::optional<int> status_;
 };
 
-/// What a file holds; nothing where there is none.
+/// The content of a file; empty if the file does not exist.
 std::string contentOf(const std::filesystem::path& file);
 
-/// What a run left.
-struct Ran {
-  int status = -1;  ///< exit status; 128 + the signal that ended it
+/// The result of a finished program.
+struct RunResult {
+  int status = -1;  ///< exit status, or 128 + the signal that ended it
   std::string output, errors;
 
   /// Lines of standard error.
@@ -52,16 +52,18 @@ struct Ran {
 };
 
 struct RunOptions {
-  std::map<std::string, std::string> environment;  ///< on top of this process' own
-  int terminate_after_ms = 0;                      ///< SIGTERM after so long; 0: let it end
-  std::function<bool()> interrupt_when;            ///< SIGINT as soon as this is so, as Ctrl-C gives it
+  std::map<std::string, std::string> environment;  ///< in addition to this process's
+  int terminate_after_ms = 0;                      ///< SIGTERM after this time; 0: never
+  std::function<bool()> interrupt_when;            ///< SIGINT, like Ctrl-C, once this returns true
 };
 
-/// Runs `airclay` with these words; neither of its streams is a terminal.
-Ran runAirclay(const std::vector<std::string>& words, const RunOptions& options = {});
+using Ran = RunResult;  // former name
 
-/// Runs a program, the first of `arguments`, looked up in PATH, until it ends.
-Ran runProgram(const std::vector<std::string>& arguments,
-               const std::map<std::string, std::string>& environment = {});
+/// Runs `airclay` with these arguments; standard output and error are not terminals.
+RunResult runAirclay(const std::vector<std::string>& arguments, const RunOptions& options = {});
+
+/// Runs the program `arguments[0]`, searched in PATH, until it ends.
+RunResult runProgram(const std::vector<std::string>& arguments,
+                     const std::map<std::string, std::string>& environment = {});
 
 }  // namespace airclay

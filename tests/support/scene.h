@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
-// Small scenes whose truth is known, shared by the tests.
+// Small scenes with known geometry, shared by the tests.
 #pragma once
 
 #include "engine/camera/gpu_rig.h"
 
 namespace airclay {
 
-/// `count` cameras of width x height looking at the cube's centre from about 1.1 m, with mild lens
+/// `count` cameras of width x height, about 1.1 m from the workspace's centre and aimed at it, with mild lens
 /// distortion.
 Rig ringRig(int count, int width = 320, int height = 240);
 
-/// The silhouette of a sphere in every camera, by the closed form: the pixels whose rays pass within its
+/// The silhouette of a sphere in every camera, in closed form: the pixels whose rays pass within its
 /// radius.
 std::vector<Mask> sphereMasks(const Rig& rig, const Vec3& center, double radius_m);
 

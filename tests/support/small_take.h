@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A recording on disk that is quickly worked through.
+// A recording on disk that is processed quickly.
 #pragma once
 
 #include <filesystem>
@@ -10,15 +10,15 @@ namespace airclay {
 
 struct SmallTake {
   int empty_frames = 10;  ///< of the empty workspace, at the start
-  double slower = 1;      ///< the hand takes so many times longer for its way
-  std::vector<Vec3> way;  ///< metres: it goes by these places, from where it began, half a second to each;
-                          ///< none: its usual way
+  double slower = 1;      ///< factor of the duration of the hand's motion
+  std::vector<Vec3> way;  ///< waypoints in metres, half a second each, from the initial position;
+                          ///< empty: the default path
 };
 
-/// What the hand does in it: it comes to the tube's side, presses it in and goes away.
+/// The hand's motion: it approaches the tube's side, presses it in and leaves.
 HandScript smallTakeScript(const SmallTake& take = {});
 
-/// The recording: small images, 30 a second, few. Returns how many frames.
+/// Writes a few small images at 30 Hz. Returns the number of frames.
 int writeSmallTake(const std::filesystem::path& folder, const SmallTake& take = {});
 
 }  // namespace airclay

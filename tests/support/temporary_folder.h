@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where tests put the files that they make; gone when the test ends.
+// A temporary folder for a test's files; the destructor removes it.
 #pragma once
 
 #include <cstdlib>
@@ -27,7 +27,7 @@ class TemporaryFolder {
   const std::filesystem::path& path() const { return path_; }
   std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
 
-  /// Writes a file, its folders too, and returns its path.
+  /// Writes a file, creates its folders, and returns its path.
   std::filesystem::path write(const std::string& name, const std::string& content) const {
     const std::filesystem::path file = path_ / name;
     std::filesystem::create_directories(file.parent_path());
@@ -39,7 +39,7 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-/// The message of the Error-like exception that `call` throws; "" when it throws none.
+/// The message of the exception that `call` throws; "" if it throws none.
 template <class Call>
 std::string messageOf(Call&& call) {
   try {
