@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Files that are no documents, damaged ones, full disks and folders that cannot be written: a line, and
-// nothing lost. Damage is done by SQLite, by the system's limits and rights, or byte by byte.
+// Invalid and damaged documents, full disks and read-only folders: one error line, and no data
+// lost. Damage comes from SQLite, from system limits and permissions, or byte by byte.
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sqlite3.h>
@@ -24,7 +24,7 @@ void expectRefused(const fs::path& file, const std::string& expected) {
   expectOneLine(messageOf([&] { Document::open(file); }), file, expected);
 }
 
-TEST(DocumentFaults, RefusesWhatIsNoDocument) {
+TEST(DocumentFaults, RejectsOtherFiles) {
   const TemporaryFolder folder;
   expectRefused(folder / "none.clay", "there is no such file");
   expectRefused(folder.path(), "is not a file");
@@ -39,7 +39,7 @@ TEST(DocumentFaults, RefusesWhatIsNoDocument) {
   expectRefused(folder / "pipe.clay", "is not a file");
 }
 
-TEST(DocumentFaults, RefusesANewerFormatAndLeavesItAlone) {
+TEST(DocumentFaults, RejectsNewerFormatWithoutChangingIt) {
   const TemporaryFolder folder;
   Document::create(folder / "a.clay", tubeState());
   alter(folder / "a.clay", "PRAGMA user_version = 2");
@@ -48,7 +48,7 @@ TEST(DocumentFaults, RefusesANewerFormatAndLeavesItAlone) {
   EXPECT_EQ(readWhole(folder / "a.clay", kMaxDocumentBytes), before);
 }
 
-TEST(DocumentFaults, RefusesWhatWasCutShort) {
+TEST(DocumentFaults, RejectsTruncatedFiles) {
   const TemporaryFolder folder;
   const std::string whole = someDocument(folder);
   for (std::size_t size = 1; size < whole.size(); size += size < 1200 ? 97 : 1021) {
@@ -59,8 +59,8 @@ TEST(DocumentFaults, RefusesWhatWasCutShort) {
   }
 }
 
-// Whatever the bytes: a line or a clay that holds.
-TEST(DocumentFaults, DamagedBytesCrashNothing) {
+// For any bytes: an error or valid clay.
+TEST(DocumentFaults, DamagedBytesNeverCrash) {
   const TemporaryFolder folder;
   const std::string whole = someDocument(folder);
   std::mt19937 random(3);
@@ -85,7 +85,7 @@ TEST(DocumentFaults, DamagedBytesCrashNothing) {
   EXPECT_GT(refused, 25);
 }
 
-TEST(DocumentFaults, AHandEditIsCheckedWhereverItIs) {
+TEST(DocumentFaults, RejectsInvalidValuesInEveryColumn) {
   const TemporaryFolder folder;
   const std::string whole = someDocument(folder);
   const std::pair<const char*, const char*> edits[] = {
@@ -127,7 +127,7 @@ TEST(DocumentFaults, AHandEditIsCheckedWhereverItIs) {
     alter(file, sql);
     expectRefused(file, expected);
   }
-  // A coordinate that is none: doubles of all ones.
+  // An invalid coordinate: a double of all ones.
   const fs::path file = folder.write("nan.clay", whole);
   std::string hex;
   for (int i = 0; i < 672; ++i) hex += "ff";
@@ -135,7 +135,7 @@ TEST(DocumentFaults, AHandEditIsCheckedWhereverItIs) {
   expectRefused(file, "control point 1 is not finite");
 }
 
-TEST(DocumentFaults, AnEntryThatIsDamagedStopsUndoWhereItIs) {
+TEST(DocumentFaults, UndoStopsAtADamagedEntry) {
   const TemporaryFolder folder;
   const fs::path file = folder.write("a.clay", someDocument(folder));
   alter(file, "UPDATE entry SET points = x'00' WHERE id = 3");
@@ -149,8 +149,8 @@ TEST(DocumentFaults, AnEntryThatIsDamagedStopsUndoWhereItIs) {
   EXPECT_EQ(document.undoCount(), 1);
 }
 
-// Somebody's tool may have switched it on: the document is one file again.
-TEST(DocumentFaults, AWriteAheadLogIsTakenIn) {
+// Another tool may have switched it on: the document is one file again.
+TEST(DocumentFaults, ReadsWriteAheadLog) {
   const TemporaryFolder folder;
   const fs::path file = folder.write("a.clay", someDocument(folder));
   alter(file, "PRAGMA journal_mode = WAL; UPDATE entry SET name = 'Logged' WHERE id = 1");
@@ -163,8 +163,8 @@ TEST(DocumentFaults, AWriteAheadLogIsTakenIn) {
   EXPECT_EQ(rowsOf(file, "PRAGMA journal_mode")[0][0], "delete");
 }
 
-// A trigger is a program within the file.
-TEST(DocumentFaults, RunsNoTriggersOfTheFile) {
+// A trigger is a program inside the file.
+TEST(DocumentFaults, RunsNoTriggers) {
   const TemporaryFolder folder;
   const fs::path file = folder.write("a.clay", someDocument(folder));
   alter(file, "CREATE TRIGGER t AFTER UPDATE ON document BEGIN DELETE FROM entry; END");
@@ -174,13 +174,14 @@ TEST(DocumentFaults, RunsNoTriggersOfTheFile) {
 
 int page_limit = 0;
 
-/// Called by SQLite for every connection that is opened.
+/// SQLite calls this for every connection.
 int limitPages(sqlite3* connection, const char**, const sqlite3_api_routines*) {
   return sqlite3_exec(connection, ("PRAGMA max_page_count = " + std::to_string(page_limit)).c_str(), nullptr,
                       nullptr, nullptr);
 }
 
-/// While it lives, files that are opened cannot grow past so many pages: SQLITE_FULL, as a full disk gives.
+/// While it exists, files that are opened cannot grow past this number of pages: SQLITE_FULL, as on a full
+/// disk.
 struct FullDisk {
   explicit FullDisk(int pages) {
     page_limit = pages;
@@ -189,7 +190,7 @@ struct FullDisk {
   ~FullDisk() { sqlite3_reset_auto_extension(); }
 };
 
-TEST(DocumentFaults, AFullDiskLosesNothing) {
+TEST(DocumentFaults, FullDiskLosesNoData) {
   const TemporaryFolder folder;
   const fs::path file = folder.write("a.clay", someDocument(folder));
   const int pages = std::stoi(rowsOf(file, "SELECT page_count FROM pragma_page_count")[0][0]);
@@ -207,12 +208,12 @@ TEST(DocumentFaults, AFullDiskLosesNothing) {
     expectOneLine(message, file, "the disk is full, so nothing was written; free some space");
     EXPECT_TRUE(sameClay(document.state(), state));
     EXPECT_EQ(document.undoCount(), edits);
-    document.undo();  // needs no room
+    document.undo();  // needs no space
     document.redo();
   }
   Document document = Document::open(file);
   EXPECT_TRUE(sameClay(document.state(), state));
-  document.commit("Push", afterStroke(largeState(), 200));  // there is room again
+  document.commit("Push", afterStroke(largeState(), 200));  // there is space again
   EXPECT_TRUE(sameClay(document.state(), afterStroke(largeState(), 200)));
 
   const FullDisk full(3);
@@ -221,7 +222,7 @@ TEST(DocumentFaults, AFullDiskLosesNothing) {
   EXPECT_FALSE(fs::exists(folder / "b.clay"));
 }
 
-TEST(DocumentFaults, AFileThatCannotGrowLosesNothing) {
+TEST(DocumentFaults, FileSizeLimitLosesNoData) {
   const TemporaryFolder folder;
   const fs::path file = folder.write("a.clay", someDocument(folder));
   Document document = Document::open(file);
@@ -250,7 +251,7 @@ TEST(DocumentFaults, AFileThatCannotGrowLosesNothing) {
   EXPECT_TRUE(sameClay(document.state(), state));
 }
 
-/// While it lives, the rights of files hold for this process, which root otherwise passes over.
+/// While it exists, file permissions apply to this process, even as root.
 struct AsNobody {
   AsNobody() { is_root = geteuid() == 0 && seteuid(65534) == 0; }
   ~AsNobody() {
@@ -259,7 +260,7 @@ struct AsNobody {
   bool is_root = false;
 };
 
-TEST(DocumentFaults, AReadOnlyFileOrFolderIsSaidWhenItIsOpened) {
+TEST(DocumentFaults, OpenReportsReadOnlyFileOrFolder) {
   const TemporaryFolder folder;
   const fs::path file = folder.write("in/a.clay", someDocument(folder));
   fs::permissions(folder.path(), fs::perms(0755));
@@ -286,7 +287,7 @@ TEST(DocumentFaults, AReadOnlyFileOrFolderIsSaidWhenItIsOpened) {
   EXPECT_EQ(Document::open(file).history().size(), 8u);
 }
 
-TEST(DocumentFaults, AFolderThatBecomesReadOnlyLosesNothing) {
+TEST(DocumentFaults, FolderThatBecomesReadOnlyLosesNoData) {
   const TemporaryFolder folder;
   const fs::path file = folder.write("in/a.clay", someDocument(folder));
   fs::permissions(folder.path(), fs::perms(0755));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Documents: what they hold as SQLite itself reads it, histories against a plain list of states, and kill -9.
+// Documents: their content as SQLite reads it, histories compared with a list of states, and SIGKILL.
 #include "engine/clay/document.h"
 
 #include <gtest/gtest.h>
@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 
 using Names = std::vector<std::string>;
 
-TEST(Document, HoldsTheClayAsSqliteReadsIt) {
+TEST(Document, SqliteReadsTheStoredClay) {
   const TemporaryFolder folder;
   const ClayState state{presetCage("vase"), SubdivisionRule::kPrinted, 3, &kSolveTouched};
   const std::int64_t before = std::time(nullptr);
@@ -47,7 +47,7 @@ TEST(Document, HoldsTheClayAsSqliteReadsIt) {
   ASSERT_EQ(rows[0][5].size(), state.cage.points.size() * 24);
   for (std::size_t i = 0; i < state.cage.points.size(); ++i)
     EXPECT_EQ(std::memcmp(rows[0][5].data() + 24 * i, state.cage.points[i].data(), 24), 0) << i;
-  std::string faces;  // 32-bit numbers, the low byte first
+  std::string faces;  // 32-bit numbers, little endian
   for (const std::vector<int>& face : state.cage.faces) {
     std::vector<int> numbers = {static_cast<int>(face.size())};
     numbers.insert(numbers.end(), face.begin(), face.end());
@@ -56,13 +56,13 @@ TEST(Document, HoldsTheClayAsSqliteReadsIt) {
   }
   EXPECT_EQ(rows[0][6], faces);
   EXPECT_EQ(rows[0][7], std::to_string(state.cage.points.size()));
-  // https://sqlite.org/fileformat2.html, 1.3: user_version at 60, application_id at 68, the high byte first.
+  // https://sqlite.org/fileformat2.html, 1.3: user_version at 60, application_id at 68, big endian.
   const std::string header = readWhole(folder / "a.clay", kMaxDocumentBytes).substr(0, 100);
   EXPECT_EQ(header.substr(60, 4), std::string("\0\0\0\1", 4));
   EXPECT_EQ(header.substr(68, 4), "Acly");
 }
 
-TEST(Document, OpensAsItWasLeft) {
+TEST(Document, ReopenRestoresTheState) {
   const TemporaryFolder folder;
   const ClayState state{presetCage("ball"), SubdivisionRule::kPrinted, 1, &kSolveTouched};
   Document::create(folder / "a.clay", state);
@@ -74,7 +74,7 @@ TEST(Document, OpensAsItWasLeft) {
     EXPECT_FALSE(fs::exists(folder / (std::string("a.clay") + suffix))) << suffix;
 }
 
-TEST(Document, UndoAndRedoGoBackAcrossRestarts) {
+TEST(Document, UndoAndRedoSurviveReopening) {
   const TemporaryFolder folder;
   const ClayState first = tubeState(), second = afterStroke(first, 2), third = refine(second),
                   fourth = afterStroke(third, 4);
@@ -105,7 +105,7 @@ TEST(Document, UndoAndRedoGoBackAcrossRestarts) {
   EXPECT_TRUE(sameClay(document.state(), first));
 }
 
-TEST(Document, KeepsTurnsAndWritesNoneWhereThereIsNone) {
+TEST(Document, StoresOnlyActualTurns) {
   const TemporaryFolder folder;
   const fs::path file = folder / "a.clay";
   const ClayState first = tubeState(), pushed = afterStroke(first, 1);
@@ -114,10 +114,10 @@ TEST(Document, KeepsTurnsAndWritesNoneWhereThereIsNone) {
   const auto columns = [&] { return rowsOf(file, "SELECT name FROM pragma_table_info('entry')").size(); };
   Document::create(file, first);
   Document::open(file).commit("Push", pushed);
-  EXPECT_EQ(columns(), 8u) << "what an Airclay without turns made";
+  EXPECT_EQ(columns(), 8u) << "a document of a version without rotations";
   {
     Document document = Document::open(file);
-    document.commit("Turn", turned);  // of the same points: the turn alone is an edit
+    document.commit("Turn", turned);  // of the same points: the rotation alone is an edit
     document.commit("Refine", refine(turned));
   }
   EXPECT_EQ(columns(), 9u);
@@ -144,12 +144,12 @@ TEST(Document, KeepsTurnsAndWritesNoneWhereThereIsNone) {
   EXPECT_TRUE(sameClay(document.state(), refine(turned)));
   document.saveAs(folder / "b.clay");
   EXPECT_TRUE(sameClay(Document::open(folder / "b.clay").state(), refine(turned)));
-  // a clay that is turned from the first
+  // clay that is rotated from the start
   Document::create(folder / "c.clay", turned);
   EXPECT_TRUE(sameClay(Document::open(folder / "c.clay").state(), turned));
 }
 
-TEST(Document, AnEditAfterUndoDropsWhatCouldBeRedone) {
+TEST(Document, EditAfterUndoDropsRedo) {
   const TemporaryFolder folder;
   const ClayState first = tubeState();
   Document document = Document::create(folder / "a.clay", first);
@@ -166,8 +166,8 @@ TEST(Document, AnEditAfterUndoDropsWhatCouldBeRedone) {
   EXPECT_EQ(namesOf(document), (Names{"New", ">Pull"}));
 }
 
-// A random walk beside the simplest history there is: a list and an index.
-TEST(Document, AgreesWithAPlainListOfStates) {
+// A random walk compared with the simplest history: a list and an index.
+TEST(Document, RandomEditsAgreeWithAListOfStates) {
   const TemporaryFolder folder;
   std::mt19937 random(7);
   std::vector<ClayState> states = {tubeState()};
@@ -190,7 +190,7 @@ TEST(Document, AgreesWithAPlainListOfStates) {
       document.redo();
       ++at;
     } else if (what == 7) {
-      // Closed first: nobody else may have it open.
+      // Closed first: only one process may have it open.
       document = Document::create(folder / ("other" + std::to_string(step) + ".clay"), tubeState());
       document = Document::open(folder / "a.clay");
     }
@@ -200,7 +200,7 @@ TEST(Document, AgreesWithAPlainListOfStates) {
   }
 }
 
-TEST(Document, StrokesShareTheirFaces) {
+TEST(Document, StrokesShareConnectivity) {
   const TemporaryFolder folder;
   {
     Document document = Document::create(folder / "a.clay", tubeState());
@@ -220,7 +220,7 @@ TEST(Document, StrokesShareTheirFaces) {
   EXPECT_EQ(rowsOf(folder / "a.clay", "SELECT id FROM connectivity").size(), 1u);
 }
 
-TEST(Document, WhatChangesNothingIsNoEntry) {
+TEST(Document, UnchangedStateAddsNoEntry) {
   const TemporaryFolder folder;
   Document document = Document::create(folder / "a.clay", tubeState());
   document.commit("Push", afterStroke(tubeState(), 1));
@@ -229,7 +229,7 @@ TEST(Document, WhatChangesNothingIsNoEntry) {
   EXPECT_EQ(namesOf(document), (Names{">New", "Push"}));
 }
 
-TEST(Document, AStrokeIsUndoneWithin50MsAfterAThousand) {
+TEST(Document, UndoTakesUnder50MsAfterAThousandStrokes) {
   using Clock = std::chrono::steady_clock;
   const auto milliseconds = [](Clock::time_point since) {
     return std::chrono::duration<double, std::milli>(Clock::now() - since).count();
@@ -238,7 +238,7 @@ TEST(Document, AStrokeIsUndoneWithin50MsAfterAThousand) {
   ClayState state = largeState();
   ASSERT_EQ(state.cage.points.size(), 4096u);
   Document::create(folder / "a.clay", state);
-  // As 900 strokes would leave it: by SQL it takes a second instead of twenty.
+  // The state after 900 strokes: SQL takes one second instead of twenty.
   alter(folder / "a.clay",
         "WITH RECURSIVE stroke (n) AS (SELECT 2 UNION ALL SELECT n + 1 FROM stroke WHERE n < 901) "
         "INSERT INTO entry SELECT n, 'Push', unix_time_s, rule, levels, solve, connectivity, points "
@@ -266,21 +266,21 @@ TEST(Document, AStrokeIsUndoneWithin50MsAfterAThousand) {
   EXPECT_LE(undos_ms[25], 50);
 }
 
-/// Commits strokes 1, 2, 3 ... and tells each one through the pipe when it is finished, until it is killed.
-[[noreturn]] void commitForever(const fs::path& file, int told) {
+/// Commits strokes 1, 2, 3 ... and reports each finished one through the pipe, until it is killed.
+[[noreturn]] void commitForever(const fs::path& file, int report_pipe) {
   try {
     Document document = Document::open(file);
     while (true) {
       const int number = document.undoCount() + 1;
       document.commit("Stroke " + std::to_string(number), afterStroke(document.state(), number));
-      if (write(told, &number, sizeof number) != sizeof number) _exit(3);
+      if (write(report_pipe, &number, sizeof number) != sizeof number) _exit(3);
     }
   } catch (const std::exception&) {
     _exit(2);
   }
 }
 
-TEST(Document, KillNineLosesNoFinishedEdit) {
+TEST(Document, SigkillLosesNoFinishedEdit) {
   const TemporaryFolder folder;
   ClayState state = tubeState();
   for (int i = 0; i < 3; ++i) state = refine({state.cage, state.rule, 2, state.solve});
@@ -295,7 +295,7 @@ TEST(Document, KillNineLosesNoFinishedEdit) {
     ASSERT_GE(child, 0);
     if (child == 0) commitForever(folder / "a.clay", ends[1]);
     close(ends[1]);
-    int number = 0;  // at least one edit a round, then anywhere within one
+    int number = 0;  // at least one edit per round, then a kill at any point of the next
     ASSERT_EQ(read(ends[0], &number, sizeof number), ssize_t(sizeof number));
     usleep(random() % 25'000);
     kill(child, SIGKILL);
@@ -307,7 +307,7 @@ TEST(Document, KillNineLosesNoFinishedEdit) {
     close(ends[0]);
 
     Document document = Document::open(folder / "a.clay");
-    // The one under way may have been finished without having been told.
+    // The edit in progress may have finished without a report.
     ASSERT_GE(document.undoCount(), finished);
     ASSERT_LE(document.undoCount(), finished + 1);
     EXPECT_TRUE(sameClay(document.state(), afterStroke(state, document.undoCount())));
@@ -321,7 +321,7 @@ TEST(Document, KillNineLosesNoFinishedEdit) {
   EXPECT_TRUE(sameClay(document.state(), state));
 }
 
-TEST(Document, IsOpenOnceOnly) {
+TEST(Document, RejectsSecondOpen) {
   const TemporaryFolder folder;
   Document document = Document::create(folder / "a.clay", tubeState());
   int ends[2];
@@ -341,12 +341,12 @@ TEST(Document, IsOpenOnceOnly) {
   ASSERT_GT(count, 0);
   expectOneLine(std::string(text, std::size_t(count)), folder / "a.clay", "is open in another");
   expectOneLine(messageOf([&] { Document::open(folder / "a.clay"); }), folder / "a.clay",
-                "is open in another");                   // in this program too
+                "is open in another");                   // also in this process
   document.commit("Push", afterStroke(tubeState(), 1));  // and the first one still works
   EXPECT_TRUE(sameClay(document.state(), afterStroke(tubeState(), 1)));
 }
 
-TEST(Document, CreateRefusesWhatIsThere) {
+TEST(Document, CreateRejectsExistingFile) {
   const TemporaryFolder folder;
   const fs::path text = folder.write("a.clay", "a letter");
   expectOneLine(messageOf([&] { Document::create(text, tubeState()); }), text, "already exists");
@@ -355,7 +355,7 @@ TEST(Document, CreateRefusesWhatIsThere) {
   expectOneLine(messageOf([&] { Document::create(nowhere, tubeState()); }), nowhere, "cannot be written");
 }
 
-TEST(Document, CreateLeavesNothingOfAStateThatIsNone) {
+TEST(Document, CreateWithInvalidStateLeavesNoFile) {
   const TemporaryFolder folder;
   const auto refuses = [&](const ClayState& state, const std::string& expected) {
     expectOneLine(messageOf([&] { Document::create(folder / "a.clay", state); }), folder / "a.clay",
@@ -379,7 +379,7 @@ TEST(Document, CreateLeavesNothingOfAStateThatIsNone) {
   refuses(state, "4097 control points are too many for the solve 'all'");
 }
 
-TEST(Document, CommitRefusesAStateThatIsNone) {
+TEST(Document, CommitRejectsInvalidState) {
   const TemporaryFolder folder;
   Document document = Document::create(folder / "a.clay", tubeState());
   ClayState state = afterStroke(tubeState(), 1);
@@ -392,7 +392,7 @@ TEST(Document, CommitRefusesAStateThatIsNone) {
   EXPECT_EQ(document.history().size(), 1u);
 }
 
-TEST(Document, SaveAsCopiesTheHistoryAndReplacesAFile) {
+TEST(Document, SaveAsCopiesHistoryAndReplacesFile) {
   const TemporaryFolder folder;
   Document document = Document::open(folder.write("a.clay", someDocument(folder)));
   const std::vector<std::string> names = namesOf(document);
@@ -403,7 +403,7 @@ TEST(Document, SaveAsCopiesTheHistoryAndReplacesAFile) {
   EXPECT_FALSE(fs::exists(folder / "b.clay-journal"));
   EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 3)
       << "whole, a and b, and nothing else";
-  document.commit("Push", afterStroke(document.state(), 50));  // goes into the first alone
+  document.commit("Push", afterStroke(document.state(), 50));  // only in the first document
   Document copy = Document::open(folder / "b.clay");
   EXPECT_EQ(namesOf(copy), names);
   document.undo();
@@ -421,7 +421,7 @@ TEST(Document, SaveAsCopiesTheHistoryAndReplacesAFile) {
   EXPECT_EQ(namesOf(copy), (Names{"New", "Push", "Push", "Push", "Push", "Push", "Push", ">Refine"}));
 }
 
-TEST(Document, SaysWhenItWasDeletedWhileOpenAndCanStillBeSaved) {
+TEST(Document, DeletedFileIsReportedAndSaveAsStillWorks) {
   const TemporaryFolder folder;
   Document document = Document::open(folder.write("a.clay", someDocument(folder)));
   const ClayState state = document.state();
@@ -435,7 +435,7 @@ TEST(Document, SaysWhenItWasDeletedWhileOpenAndCanStillBeSaved) {
   EXPECT_EQ(document.history().size(), 8u);
 }
 
-TEST(Document, FollowsALink) {
+TEST(Document, FollowsSymlinks) {
   const TemporaryFolder folder;
   someDocument(folder);
   fs::create_directory(folder / "in");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The presets: manifold quads of the promised size, and the paper's counts.
+// The presets: manifold quads of the documented size, and the paper's counts.
 #include "engine/clay/presets.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@
 namespace airclay {
 namespace {
 
-/// By signed tetrahedra; positive when a closed mesh's faces run anticlockwise from outside.
+/// Sum of signed tetrahedra; positive if a closed mesh's faces are counterclockwise from outside.
 double signedVolume(const PolygonMesh& mesh) {
   double six_times = 0;
   for (const std::vector<int>& face : mesh.faces)
@@ -47,14 +47,14 @@ TEST(Presets, AreCentredManifoldQuadsOfAboutTwentyCentimetres) {
       low = low.cwiseMin(point);
       high = high.cwiseMax(point);
     }
-    EXPECT_LT((low + high).norm() / 2, 0.005);  // seven points around are not symmetric to the millimetre
+    EXPECT_LT((low + high).norm() / 2, 0.005);  // seven points around the axis are not exactly symmetric
     EXPECT_GE((high - low).maxCoeff(), 0.15);
     EXPECT_LE((high - low).maxCoeff(), 0.25);
     EXPECT_EQ(borderEdges(cage), name == "tube" ? 14 : 0);
   }
 }
 
-TEST(Presets, TurnTheirFacesOutwards) {
+TEST(Presets, FacesPointOutwards) {
   for (const char* name : {"cube", "ball", "slab", "vase"})
     EXPECT_GT(signedVolume(presetCage(name)), 0) << name;
   EXPECT_NEAR(signedVolume(presetCage("cube")), 0.008, 1e-12);
@@ -86,7 +86,7 @@ TEST(Presets, CubeHasEightPoints) {
   EXPECT_EQ(presetCage("cube").points.size(), 8u);
 }
 
-TEST(Presets, UnknownOnesAreNamedWithThoseThereAre) {
+TEST(Presets, UnknownPresetErrorListsAllPresets) {
   for (const auto load : {presetCage, loadCage}) {
     try {
       load("teapot");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Refining against the surface that it must not change, and against Catmull-Clark's limit.
+// Refining compared with the surface that it must not change, and with Catmull-Clark's limit.
 #include "engine/clay/refine.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ namespace {
 
 constexpr SubdivisionRule kRules[] = {SubdivisionRule::kCatmullClark, SubdivisionRule::kPrinted};
 
-/// Open: a fan of five triangles about a point, a pentagon, a hexagon and a quad around it.
+/// Open: a fan of five triangles around a point, surrounded by a pentagon, a hexagon and a quad.
 PolygonMesh openPolygons() {
   PolygonMesh mesh;
   mesh.points = {{0, 0, 0.3}};
@@ -36,7 +36,7 @@ PolygonMesh openPolygons() {
   return mesh;
 }
 
-/// Closed: a prism on a heptagon, and a pyramid of seven triangles on top.
+/// Closed: a heptagonal prism with a pyramid of seven triangles on top.
 PolygonMesh closedPolygons() {
   PolygonMesh mesh;
   constexpr int around = 7;
@@ -74,7 +74,8 @@ Surface surfaceOf(const ClayState& state) {
   return {dataPoints(subdivision.matrix, state.cage.points), subdivision.quads};
 }
 
-/// Of each point of `from`, the one of `to` in its place, each once; -1 where none is within `tolerance`.
+/// For each point of `from`, the index of the equal point of `to`, each once; -1 if none is within
+/// `tolerance`.
 std::vector<int> samePlaces(const std::vector<Vec3>& from, const std::vector<Vec3>& to, double tolerance) {
   std::vector<int> order(to.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
@@ -96,7 +97,7 @@ std::vector<int> samePlaces(const std::vector<Vec3>& from, const std::vector<Vec
   return found;
 }
 
-/// A quad from its smallest corner on, its sense kept.
+/// A quad that starts at its smallest corner, orientation unchanged.
 std::array<int, 4> turned(std::array<int, 4> quad) {
   std::rotate(quad.begin(), std::min_element(quad.begin(), quad.end()), quad.end());
   return quad;
@@ -107,16 +108,16 @@ void expectSameSurface(const Surface& before, const Surface& after) {
   ASSERT_EQ(before.quads.size(), after.quads.size());
   const std::vector<int> after_from_before = samePlaces(before.points, after.points, 1e-12);
   ASSERT_EQ(std::count(after_from_before.begin(), after_from_before.end(), -1), 0);
-  std::set<std::array<int, 4>> wanted, quads;
+  std::set<std::array<int, 4>> expected, quads;
   for (std::array<int, 4> quad : before.quads) {
     for (int& corner : quad) corner = after_from_before[static_cast<std::size_t>(corner)];
-    wanted.insert(turned(quad));
+    expected.insert(turned(quad));
   }
   for (const std::array<int, 4>& quad : after.quads) quads.insert(turned(quad));
-  EXPECT_EQ(wanted, quads);
+  EXPECT_EQ(expected, quads);
 }
 
-TEST(Refine, LeavesTheSurfaceAsItIs) {
+TEST(Refine, KeepsTheSurface) {
   for (const auto& [name, cage] : cages())
     for (const SubdivisionRule rule : kRules)
       for (const int levels : {2, 3}) {
@@ -131,7 +132,7 @@ TEST(Refine, LeavesTheSurfaceAsItIs) {
       }
 }
 
-TEST(Refine, TwiceIsTheSurfaceTwoLevelsFurtherDown) {
+TEST(Refine, RefiningTwiceEqualsTwoMoreLevels) {
   const ClayState before{closedPolygons(), SubdivisionRule::kPrinted, 3, &kSolveAll};
   const ClayState after = refine(refine(before));
   EXPECT_EQ(after.levels, 1);
@@ -139,14 +140,14 @@ TEST(Refine, TwiceIsTheSurfaceTwoLevelsFurtherDown) {
 }
 
 // V' = V + E + F: the paper's tube has 28 control points, 49 edges and 21 faces.
-TEST(Refine, ThePapersTubeHas98ControlPoints) {
+TEST(Refine, PaperTubeGets98ControlPoints) {
   const ClayState after = refine({presetCage("tube"), SubdivisionRule::kCatmullClark, 2, &kSolveAll});
   EXPECT_EQ(after.cage.points.size(), 98u);
   EXPECT_EQ(after.cage.faces.size(), 84u);
 }
 
-// At one level the surface becomes what two levels make of the cage before.
-TEST(Refine, AtLevelOneTheSurfaceBecomesOneStepFiner) {
+// At one level the surface equals two levels of the former cage.
+TEST(Refine, AtLevelOneTheSurfaceIsOneStepFiner) {
   for (const SubdivisionRule rule : kRules) {
     const ClayState before{openPolygons(), rule, 1, &kSolveAll};
     const ClayState after = refine(before);
@@ -157,7 +158,7 @@ TEST(Refine, AtLevelOneTheSurfaceBecomesOneStepFiner) {
   }
 }
 
-TEST(Refine, SaysWhenTheControlPointsBecomeTooMany) {
+TEST(Refine, RejectsTooManyControlPoints) {
   ClayState state{presetCage("cube"), SubdivisionRule::kCatmullClark, 2, &kSolveAll};
   for (int i = 0; i < 4; ++i) state = refine(state);  // 26, 98, 386, 1538
   EXPECT_EQ(state.cage.points.size(), 1538u);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The kernels of eq. (6)-(8) over all rows, against solveControlPoints and closed forms.
+// The kernels of eq. (6)-(8) over all rows, compared with solveControlPoints and closed forms.
 #include <cmath>
 
 #include "engine/clay/presets.h"
@@ -14,7 +14,7 @@ struct Solved {
   std::vector<vec3> rounded;
 };
 
-/// p + A⁺ r on the GPU, `times` over.
+/// p + A⁺ r on the GPU, `times` times.
 Solved solveOnGpu(const StencilMatrix& matrix, const std::vector<Vec3>& control_points,
                   const std::vector<vec3>& displacements, int times = 1) {
   Gpu& gpu = testGpu();
@@ -23,10 +23,10 @@ Solved solveOnGpu(const StencilMatrix& matrix, const std::vector<Vec3>& control_
   for (const Vec3& point : control_points) exact.insert(exact.end(), point.data(), point.data() + 3);
   const Buffer<double> exact_points(gpu, exact);
   const Buffer<vec3> rounded_points(gpu, control_points.size());
-  const Buffer<vec3> wanted(gpu, displacements);
+  const Buffer<vec3> targets(gpu, displacements);
   Recorder recorder(gpu);
   recorder.begin();
-  for (int i = 0; i < times; ++i) solver.record(recorder, wanted, exact_points, rounded_points);
+  for (int i = 0; i < times; ++i) solver.record(recorder, targets, exact_points, rounded_points);
   recorder.submitAndWait();
   EXPECT_TRUE(hazards(recorder.commands()).empty());
   Solved solved{{}, rounded_points.download()};
@@ -64,7 +64,7 @@ TEST(SolveGpu, EqualsThePseudoinverse) {
     }
 }
 
-TEST(SolveGpu, ARigidTranslationIsExact) {
+TEST(SolveGpu, RigidTranslationIsExact) {
   const PolygonMesh cage = presetCage("tube");
   const StencilMatrix matrix = subdivide(cage, 2, SubdivisionRule::kCatmullClark).matrix;
   const vec3 shift(0.01f, -0.02f, 0.005f);
@@ -74,7 +74,7 @@ TEST(SolveGpu, ARigidTranslationIsExact) {
 }
 
 TEST(SolveGpu, ThousandsOfFramesDoNotDrift) {
-  // forth and back, 1,000 times 1 mm: a float's position of 0.1 m would have wandered by up to 1e-5 m
+  // back and forth, 1,000 times 1 mm: a float position of 0.1 m would drift by up to 1e-5 m
   const PolygonMesh cage = presetCage("tube");
   const StencilMatrix matrix = subdivide(cage, 2, SubdivisionRule::kCatmullClark).matrix;
   std::vector<vec3> displacements(std::size_t(matrix.rows()), vec3(0, 0, 0));
@@ -86,7 +86,7 @@ TEST(SolveGpu, ThousandsOfFramesDoNotDrift) {
   EXPECT_LT(difference(back.exact, cage.points), 1e-12);
 }
 
-TEST(SolveGpu, TheTouchedRowsFactoredOnceSolveAsThePseudoinverseDoes) {
+TEST(SolveGpu, CachedTouchedRowsFactorEqualsThePseudoinverse) {
   const PolygonMesh cage = presetCage("vase");
   const StencilMatrix matrix = subdivide(cage, 2, SubdivisionRule::kCatmullClark).matrix;
   for (const int count : {5, 300}) {  // fewer rows than control points, and more
@@ -95,16 +95,16 @@ TEST(SolveGpu, TheTouchedRowsFactoredOnceSolveAsThePseudoinverseDoes) {
     const double damping = 0.1;
     const TouchedRowsSolver solver(matrix, rows, damping);
     for (int shape = 0; shape < 2; ++shape) {
-      Eigen::MatrixXd touched(count, matrix.cols()), wanted(count, 3);
+      Eigen::MatrixXd touched(count, matrix.cols()), targets(count, 3);
       std::vector<Vec3> displacements;
       for (int i = 0; i < count; ++i) {
         displacements.emplace_back(0.01 * std::sin(i + shape), 0.01 * std::cos(2 * i), 0.003);
-        wanted.row(i) = displacements.back().transpose();
+        targets.row(i) = displacements.back().transpose();
         touched.row(i) = Eigen::MatrixXd(matrix.middleRows(rows[std::size_t(i)], 1));
       }
       const Eigen::MatrixXd gram =
           touched * touched.transpose() + damping * damping * Eigen::MatrixXd::Identity(count, count);
-      const Eigen::MatrixXd expected = touched.transpose() * gram.ldlt().solve(wanted);
+      const Eigen::MatrixXd expected = touched.transpose() * gram.ldlt().solve(targets);
       const std::vector<Vec3> moved = solver.controlDisplacements(displacements);
       for (std::size_t i = 0; i < moved.size(); ++i)
         EXPECT_LT((moved[i] - expected.row(Eigen::Index(i)).transpose()).norm(), 1e-9 * expected.norm());

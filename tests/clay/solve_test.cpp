@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Eq. (6)-(8): against the pseudoinverse by singular values of the whole dense matrix, and closed forms.
+// Eq. (6)-(8) compared with the pseudoinverse from singular values of the dense matrix, and closed forms.
 #include "engine/clay/solve.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ namespace {
 
 using Eigen::MatrixXd;
 
-/// Moore-Penrose by one-sided Jacobi rotations of the full matrix: slow, and shares nothing with the solver.
+/// Moore-Penrose by one-sided Jacobi rotations of the full matrix: slow, and independent of the solver.
 MatrixXd pseudoinverse(const MatrixXd& matrix) {
   const Eigen::JacobiSVD<MatrixXd> svd(matrix, Eigen::ComputeThinU | Eigen::ComputeThinV);
   Eigen::VectorXd inverse = svd.singularValues();
@@ -59,18 +59,18 @@ std::vector<int> range(int first, int count, int step = 1) {
   return indices;
 }
 
-/// Control points by the definition: p + A⁺ (d_new - d), A the chosen rows.
+/// Control points by definition: p + A⁺ (d_new - d), A the chosen rows.
 std::vector<Vec3> expected(const Clay& clay, const std::vector<Move>& moves, const SolveMethod* rows) {
   const MatrixXd dense = clay.matrix;
   const bool all = rows == &kSolveAll;
   MatrixXd chosen = all ? dense : MatrixXd(Eigen::Index(moves.size()), dense.cols());
-  MatrixXd wanted = MatrixXd::Zero(chosen.rows(), 3);
+  MatrixXd targets = MatrixXd::Zero(chosen.rows(), 3);
   for (size_t i = 0; i < moves.size(); ++i) {
     const Eigen::Index row = all ? moves[i].index : Eigen::Index(i);
     chosen.row(row) = dense.row(moves[i].index);
-    wanted.row(row) = (moves[i].target - clay.data_points[size_t(moves[i].index)]).transpose();
+    targets.row(row) = (moves[i].target - clay.data_points[size_t(moves[i].index)]).transpose();
   }
-  const MatrixXd moved = pseudoinverse(chosen) * wanted;
+  const MatrixXd moved = pseudoinverse(chosen) * targets;
   std::vector<Vec3> points = clay.cage.points;
   for (size_t i = 0; i < points.size(); ++i) points[i] += moved.row(Eigen::Index(i)).transpose();
   return points;
@@ -91,7 +91,7 @@ void expectMoorePenrose(const Clay& clay, const std::vector<Move>& moves, const 
   EXPECT_LT(largestDifference(solved, truth), 1e-10 * moved_m);
 }
 
-TEST(Solve, AllRowsIsThePseudoinverse) {
+TEST(Solve, AllRowsEqualsThePseudoinverse) {
   for (const char* preset : {"tube", "cube", "ball", "slab"})
     for (const SubdivisionRule rule : {SubdivisionRule::kCatmullClark, SubdivisionRule::kPrinted}) {
       SCOPED_TRACE(preset);
@@ -100,8 +100,9 @@ TEST(Solve, AllRowsIsThePseudoinverse) {
     }
 }
 
-TEST(Solve, AllRowsCutsASingularDirectionInManyBlocksOfRows) {
-  // Catmull-Clark's A of a cube lacks one rank: turning every other corner inwards moves no data point.
+TEST(Solve, AllRowsDropsSingularDirectionAcrossBlocks) {
+  // Catmull-Clark's A of a cube has a rank deficiency of one: moving every other corner inwards moves no data
+  // point.
   const Clay clay = prepareClay("cube", 5);
   ASSERT_EQ(clay.matrix.rows(), 6146);
   Eigen::VectorXd every_other(8);
@@ -113,7 +114,7 @@ TEST(Solve, AllRowsCutsASingularDirectionInManyBlocksOfRows) {
   expectMoorePenrose(clay, randomMoves(clay, range(0, 200, 30)), &kSolveAll);
 }
 
-TEST(Solve, TouchedRowsIsThePseudoinverse) {
+TEST(Solve, TouchedRowsEqualsThePseudoinverse) {
   const Clay tube = prepareClay("tube");
   expectMoorePenrose(tube, randomMoves(tube, {100}), &kSolveTouched);
   expectMoorePenrose(tube, randomMoves(tube, range(0, 5, 60)), &kSolveTouched);
@@ -124,8 +125,8 @@ TEST(Solve, TouchedRowsIsThePseudoinverse) {
   expectMoorePenrose(ball, randomMoves(ball, range(5, 40, 3)), &kSolveTouched);
 }
 
-TEST(Solve, TouchedRowsOfLowerRankThanTheirNumber) {
-  // The face, edge and vertex points around one quad, four levels deep: bicubic, so no more than 16 of these
+TEST(Solve, TouchedRowsSolvesRankDeficientRows) {
+  // The face, edge and vertex points around one quad, four levels deep: bicubic, so at most 16 of these
   // rows of a regular grid are independent.
   const Clay slab = prepareClay("slab", 4);
   std::vector<int> near;
@@ -144,11 +145,11 @@ TEST(Solve, TouchedRowsOfLowerRankThanTheirNumber) {
   const std::vector<Vec3> solved = solveControlPoints(slab.matrix, slab.cage.points, moves, &kSolveTouched);
   const std::vector<Vec3> truth = expected(slab, moves, &kSolveTouched);
   const double moved_m = largestDifference(truth, slab.cage.points);
-  // The answer itself is known to the rounding of the data, 1e-16, times the rows' condition.
+  // The precision of the result: the rounding of the data, 1e-16, times the rows' condition number.
   EXPECT_LT(largestDifference(solved, truth), 1e-14 * values[0] / values[15] * moved_m);
 }
 
-TEST(Solve, OneMovedPointArrivesAndMovesTheLeast) {
+TEST(Solve, OneMovedPointReachesItsTargetWithMinimumNorm) {
   const Clay clay = prepareClay("tube");
   const Move move{200, clay.data_points[200] + Vec3(0.01, -0.02, 0.005)};
   const std::vector<Vec3> solved = solveControlPoints(clay.matrix, clay.cage.points, {move}, &kSolveTouched);
@@ -162,7 +163,7 @@ TEST(Solve, OneMovedPointArrivesAndMovesTheLeast) {
               1e-15);
 }
 
-TEST(Solve, ATranslationOfAllPointsTranslatesTheCage) {
+TEST(Solve, TranslatingAllPointsTranslatesTheCage) {
   const Vec3 step(0.03, -0.02, 0.05);
   for (const std::string& preset : presetNames()) {
     const Clay clay = prepareClay(preset);
@@ -177,7 +178,7 @@ TEST(Solve, ATranslationOfAllPointsTranslatesTheCage) {
   }
 }
 
-TEST(Solve, NothingMovesWhenNothingIsMoved) {
+TEST(Solve, NoMovesGiveNoDisplacement) {
   const Clay clay = prepareClay("vase");
   std::vector<Move> stay;
   for (int i = 0; i < 30; ++i) stay.push_back({i, clay.data_points[size_t(i)]});
@@ -189,19 +190,19 @@ TEST(Solve, NothingMovesWhenNothingIsMoved) {
             clay.cage.points);
 }
 
-TEST(Solve, DampedIsItsClosedForm) {
+TEST(Solve, DampedSolveEqualsClosedForm) {
   const Clay clay = prepareClay("tube");
   for (const int count : {1, 10, 28, 100, 364}) {  // fewer rows than control points, and more
     const std::vector<Move> moves = randomMoves(clay, range(0, count));
-    MatrixXd rows(count, clay.matrix.cols()), wanted(count, 3);
+    MatrixXd rows(count, clay.matrix.cols()), targets(count, 3);
     for (int i = 0; i < count; ++i) {
       rows.row(i) = MatrixXd(clay.matrix.row(moves[size_t(i)].index));
-      wanted.row(i) =
+      targets.row(i) =
           (moves[size_t(i)].target - clay.data_points[size_t(moves[size_t(i)].index)]).transpose();
     }
     const double lambda = 0.1;
     const MatrixXd damped = rows * rows.transpose() + lambda * lambda * MatrixXd::Identity(count, count);
-    const MatrixXd moved = rows.transpose() * damped.fullPivLu().solve(wanted);
+    const MatrixXd moved = rows.transpose() * damped.fullPivLu().solve(targets);
     const std::vector<Vec3> solved =
         solveControlPoints(clay.matrix, clay.cage.points, moves, &kSolveTouched, lambda);
     for (size_t i = 0; i < solved.size(); ++i)
@@ -209,7 +210,7 @@ TEST(Solve, DampedIsItsClosedForm) {
   }
 }
 
-TEST(Solve, DampingHoldsNoiseThatTheExactSolveBlowsUp) {
+TEST(Solve, DampingBoundsNoiseAmplification) {
   const Clay clay = prepareClay("tube", 4);
   std::vector<int> nearest = range(0, int(clay.data_points.size()));
   const auto distance = [&](int i) { return (clay.data_points[size_t(i)] - clay.data_points[500]).norm(); };
@@ -231,11 +232,11 @@ TEST(Solve, DampingHoldsNoiseThatTheExactSolveBlowsUp) {
     for (size_t i = 0; i < solved.size(); ++i) sum += (solved[i] - clay.cage.points[i]).squaredNorm();
     return std::sqrt(sum);
   };
-  EXPECT_GT(thrown(0), 1.0);                                               // a metre, from a millimetre
+  EXPECT_GT(thrown(0), 1.0);                                               // one metre from one millimetre
   EXPECT_LE(thrown(kTouchedDamping), noise_norm / (2 * kTouchedDamping));  // σ / (σ² + λ²) <= 1 / 2λ
 }
 
-TEST(Solve, AllRowsSolverIsTheGramPseudoinverse) {
+TEST(Solve, AllRowsSolverEqualsTheGramPseudoinverse) {
   for (const char* preset : {"tube", "cube", "ball", "vase"}) {
     SCOPED_TRACE(preset);
     const Clay clay = prepareClay(preset);
@@ -255,7 +256,7 @@ TEST(Solve, AllRowsSolverIsTheGramPseudoinverse) {
   }
 }
 
-TEST(Solve, RefusesWhatItCannotDo) {
+TEST(Solve, RejectsInvalidInput) {
   const Clay clay = prepareClay("tube");
   const auto solve = [&](const std::vector<Move>& moves, const SolveMethod* rows, double damping) {
     return solveControlPoints(clay.matrix, clay.cage.points, moves, rows, damping);
@@ -287,7 +288,7 @@ TEST_F(MovesFile, ReadsMoves) {
   EXPECT_TRUE(read("index,x,y,z\n").empty());
 }
 
-TEST_F(MovesFile, RefusesWithFileAndLine) {
+TEST_F(MovesFile, ErrorsNameFileAndLine) {
   struct Case {
     std::string content, line, what;
   };

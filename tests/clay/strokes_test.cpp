@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Strokes out of frames, told by their rule.
+// Strokes from frames, checked against their definition.
 #include "engine/clay/strokes.h"
 
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 namespace airclay {
 namespace {
 
-/// Frames a tenth of a second apart; what each one told.
+/// Frames a tenth of a second apart, and their events.
 struct Watched {
   StrokeDetector watch;
   int frame = 0;
@@ -19,7 +19,7 @@ struct Watched {
   }
 };
 
-TEST(Strokes, ATouchBeginsOneAndAGapEndsIt) {
+TEST(Strokes, TouchStartsAndGapEndsAStroke) {
   Watched w;
   EXPECT_EQ(w.see(0), StrokeEvent::kNone);
   EXPECT_EQ(w.see(3), StrokeEvent::kStarted);  // 0.1 s
@@ -37,7 +37,7 @@ TEST(Strokes, ATouchBeginsOneAndAGapEndsIt) {
   EXPECT_EQ(w.see(2), StrokeEvent::kStarted);
 }
 
-TEST(Strokes, TheGapIsFourTenthsOfASecond) {
+TEST(Strokes, GapIsFourTenthsOfASecond) {
   for (const double gap_s : {0.39, 0.41}) {
     StrokeDetector watch;
     EXPECT_EQ(watch.addFrame({1, 1}, "Push"), StrokeEvent::kStarted);
@@ -45,14 +45,14 @@ TEST(Strokes, TheGapIsFourTenthsOfASecond) {
   }
 }
 
-TEST(Strokes, SlowFramesMakeNoGap) {
+TEST(Strokes, SlowFramesAreNotAGap) {
   StrokeDetector watch;  // the paper's 3 Hz, and slower still
   EXPECT_EQ(watch.addFrame({0, 1}, "Push"), StrokeEvent::kStarted);
   EXPECT_EQ(watch.addFrame({0.33, 1}, "Push"), StrokeEvent::kNone);
   EXPECT_EQ(watch.addFrame({1.33, 1}, "Push"), StrokeEvent::kNone);
 }
 
-TEST(Strokes, TheOpenClutchAndALostHandEndItAtOnce) {
+TEST(Strokes, OpenClutchOrLostHandEndsAStroke) {
   Watched clutch;
   clutch.see(3);
   EXPECT_EQ(clutch.see(3, false), StrokeEvent::kEnded);
@@ -65,7 +65,7 @@ TEST(Strokes, TheOpenClutchAndALostHandEndItAtOnce) {
   EXPECT_EQ(lost.see(3), StrokeEvent::kStarted);
 }
 
-TEST(Strokes, AnotherToolEndsItAndNamesTheNext) {
+TEST(Strokes, ToolChangeEndsAStrokeAndNamesTheNext) {
   Watched w;
   w.see(3);
   EXPECT_EQ(w.see(3, true, true, "Smooth"), StrokeEvent::kEnded);
@@ -74,14 +74,14 @@ TEST(Strokes, AnotherToolEndsItAndNamesTheNext) {
   EXPECT_EQ(w.watch.name(), "Smooth");
 }
 
-TEST(Strokes, ATakeThatBeginsAgainEndsIt) {
+TEST(Strokes, RestartedTakeEndsAStroke) {
   StrokeDetector watch;
   watch.addFrame({5, 1}, "Push");
   EXPECT_EQ(watch.addFrame({0, 1}, "Push"), StrokeEvent::kEnded);
   EXPECT_EQ(watch.addFrame({0.1, 1}, "Push"), StrokeEvent::kStarted);
 }
 
-TEST(Strokes, FinishEndsWhatIsUnderWayOnce) {
+TEST(Strokes, FinishEndsTheCurrentStrokeOnce) {
   StrokeDetector watch;
   EXPECT_EQ(watch.finish(), StrokeEvent::kNone);
   watch.addFrame({0, 1}, "Pull");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The kernels `subdivide` and `normals` against their references in double precision.
+// The kernels `subdivide` and `normals` compared with their double-precision references.
 #include "engine/clay/presets.h"
 #include "engine/clay/subdivide.h"
 #include "tests/support/gpu_fixture.h"
@@ -13,7 +13,7 @@ double largestNorm(const std::vector<Vec3>& vectors) {
   return largest;
 }
 
-/// Evaluates two shapes of the cage in turn: nothing of the first may show in the second.
+/// Evaluates two shapes of the cage in turn: the first must not affect the second.
 void expectEqualsReference(PolygonMesh cage, int levels, SubdivisionRule rule) {
   Gpu& gpu = testGpu();
   const Subdivision subdivision = subdivide(cage, levels, rule);
@@ -34,7 +34,7 @@ void expectEqualsReference(PolygonMesh cage, int levels, SubdivisionRule rule) {
 
     const std::vector<Vec3> points = dataPoints(subdivision.matrix, cage.points);
     const std::vector<vec3> gpu_points = evaluator.dataPoints().download();
-    // from the kernel's own points: a float's rounding of a position is a large part of a small quad
+    // from the kernel's own points: a float's rounding of a position is large compared to a small quad
     std::vector<Vec3> rounded;
     for (const vec3& point : gpu_points) rounded.push_back(point.cast<double>());
     const std::vector<Vec3> normals = dataNormals(subdivision.quads, rounded);
@@ -56,7 +56,7 @@ TEST(SubdivideGpu, EqualsTheReference) {
       }
 }
 
-TEST(SubdivideGpu, FacesOfAnyNumberOfSides) {
+TEST(SubdivideGpu, AcceptsFacesWithAnyNumberOfSides) {
   PolygonMesh cage;  // a pyramid over a pentagon: triangles, a pentagon, points of valence 3 and 5
   cage.points = {{0, 0, 0.2}};
   std::vector<int> base;
@@ -70,7 +70,7 @@ TEST(SubdivideGpu, FacesOfAnyNumberOfSides) {
     expectEqualsReference(cage, 3, rule);
 }
 
-TEST(SubdivideGpu, NormalsOfANeedleAreUnitAndOfACollapsedSurfaceZero) {
+TEST(SubdivideGpu, NormalsAreUnitOrZeroOnDegenerateSurfaces) {
   Gpu& gpu = testGpu();
   const PolygonMesh cage = presetCage("cube");
   const Subdivision subdivision = subdivide(cage, 2, SubdivisionRule::kCatmullClark);
@@ -88,7 +88,7 @@ TEST(SubdivideGpu, NormalsOfANeedleAreUnitAndOfACollapsedSurfaceZero) {
   }
 }
 
-TEST(SubdivideGpu, MoreWorkgroupsThanADeviceTakesInX) {
+TEST(SubdivideGpu, SupportsMoreWorkgroupsThanTheXLimit) {
   Gpu& gpu = testGpu();
   const int rows = 65'535 * int(kSubdivideWorkgroup) + 1000;
   const auto weight = [](int row) { return double(row % 997); };

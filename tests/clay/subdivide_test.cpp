@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Eq. (3)-(5): closed forms for both rules, a naive subdivision on positions, and OpenSubdiv's own evaluator.
+// Eq. (3)-(5): closed forms for both rules, a naive subdivision of positions, and OpenSubdiv's own evaluator.
 #include "engine/clay/subdivide.h"
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ namespace {
 
 constexpr SubdivisionRule kRules[] = {SubdivisionRule::kCatmullClark, SubdivisionRule::kPrinted};
 
-/// A flat open grid of n x n quads, points at whole numbers.
+/// A flat open grid of n x n quads, points at integers.
 PolygonMesh grid(int n) {
   PolygonMesh mesh;
   for (int y = 0; y <= n; ++y)
@@ -37,12 +37,12 @@ PolygonMesh grid(int n) {
   return mesh;
 }
 
-/// An open cage with a triangle, a pentagon, a hexagon, quads, a valence-3 and a valence-5 interior point,
-/// and corners of one face.
+/// An open cage with a triangle, a pentagon, a hexagon, quads, interior points of valence 3 and 5,
+/// and corners of a single face.
 PolygonMesh mixedCage() {
   PolygonMesh mesh;
   mesh.points = {{0, 0, 0.3}};
-  for (int i = 0; i < 5; ++i) {  // a ring of five about point 0
+  for (int i = 0; i < 5; ++i) {  // a ring of five around point 0
     const double angle = 2 * std::numbers::pi * i / 5;
     mesh.points.emplace_back(std::cos(angle), std::sin(angle), 0.1 * i);
   }
@@ -52,7 +52,7 @@ PolygonMesh mixedCage() {
     return int(mesh.points.size()) - 1;
   };
   const int a = add(2, 0.2, 0.1), b = add(2, 1.5, 0), c = add(1.2, 2.2, 0.2), d = add(0.3, 2, -0.1);
-  mesh.faces.push_back({1, a, b, c, 2});  // makes a pentagon beside the ring
+  mesh.faces.push_back({1, a, b, c, 2});  // makes a pentagon next to the ring
   mesh.faces.push_back({2, c, d, 3});     // 2 becomes an interior point of valence 4
   const int e = add(-2, 1, 0), f = add(-2.5, 0, 0.4), g = add(-2, -1, 0.2);
   mesh.faces.push_back({3, d, e, f, g, 4});  // a hexagon
@@ -86,7 +86,7 @@ void expectWeights(const StencilMatrix& matrix, int row, const std::vector<doubl
   for (size_t i = 0; i < weights.size(); ++i) EXPECT_NEAR(weights[i], expected[i], 1e-14) << "row " << row;
 }
 
-TEST(Subdivide, CubeMasksInClosedForm) {
+TEST(Subdivide, CubeMasksEqualClosedForm) {
   const PolygonMesh cube = presetCage("cube");
   for (const SubdivisionRule rule : kRules) {
     const StencilMatrix matrix = subdivide(cube, 1, rule).matrix;
@@ -100,7 +100,7 @@ TEST(Subdivide, CubeMasksInClosedForm) {
     // (3): half the midpoint and a quarter of each centroid.
     for (int edge = 6; edge < 18; ++edge)
       expectWeights(matrix, edge, {3.0 / 8, 3.0 / 8, 1.0 / 16, 1.0 / 16, 1.0 / 16, 1.0 / 16});
-    // (4), valence 3: the point, its three neighbours, the three points across a face; nothing of the
+    // (4), valence 3: the point, its three neighbours, the three points diagonal to it; not the
     // opposite one.
     const bool printed = rule == SubdivisionRule::kPrinted;
     const double own = printed ? 13.0 / 24 : 5.0 / 12, near = printed ? 5.0 / 36 : 1.0 / 6,
@@ -114,7 +114,7 @@ TEST(Subdivide, CubeMasksInClosedForm) {
   }
 }
 
-TEST(Subdivide, RegularGridMasksInClosedForm) {
+TEST(Subdivide, RegularGridMasksEqualClosedForm) {
   constexpr int n = 4;
   const PolygonMesh cage = grid(n);
   const int faces = n * n, edges = 2 * n * (n + 1);
@@ -137,7 +137,7 @@ TEST(Subdivide, RegularGridMasksInClosedForm) {
       for (int x = 0; x <= n; ++x) {
         const int point = y * (n + 1) + x, row = faces + edges + point;
         const bool border = x == 0 || y == 0 || x == n || y == n;
-        if (border)  // a corner of one face too
+        if (border)  // also a corner of a single face
           expectWeights(matrix, row, {0.75, 0.125, 0.125});
         else
           expectWeights(matrix, row, {own, near, near, near, near, across, across, across, across});
@@ -160,8 +160,8 @@ TEST(Subdivide, RowsSumToOne) {
       }
 }
 
-/// One step on positions, from faces alone: face points, then edge points in order of their ends, then vertex
-/// points.
+/// One step on positions, from faces only: face points, then edge points in the order of their ends, then
+/// vertex points.
 PolygonMesh naiveStep(const PolygonMesh& mesh, SubdivisionRule rule) {
   struct Edge {
     std::vector<size_t> faces;
@@ -220,7 +220,7 @@ PolygonMesh naiveStep(const PolygonMesh& mesh, SubdivisionRule rule) {
   return next;
 }
 
-/// Each quad's centroid and vector area, sorted: the same surface whatever the order of its points.
+/// Each quad's centroid and vector area, sorted: independent of the order of the points.
 std::vector<std::array<double, 6>> quadSignatures(const std::vector<Vec3>& points,
                                                   const std::vector<std::vector<int>>& quads) {
   std::vector<std::array<double, 6>> signatures;
@@ -236,7 +236,7 @@ std::vector<std::array<double, 6>> quadSignatures(const std::vector<Vec3>& point
   return signatures;
 }
 
-TEST(Subdivide, AgreesWithANaiveSubdivisionOfPositions) {
+TEST(Subdivide, AgreesWithNaiveSubdivision) {
   for (const SubdivisionRule rule : kRules)
     for (const PolygonMesh& cage : {mixedCage(), threeQuads(), presetCage("vase"), presetCage("tube")}) {
       PolygonMesh naive = cage;
@@ -267,7 +267,7 @@ TEST(Subdivide, OrdersPointsByFacesEdgesVertices) {
   }
 }
 
-/// What OpenSubdiv's CPU evaluator computes, in float, from its own float stencils.
+/// The result of OpenSubdiv's CPU evaluator, in float, from its own float stencils.
 std::vector<Vec3> openSubdivPoints(const PolygonMesh& cage, int levels) {
   namespace Far = OpenSubdiv::Far;
   namespace Osd = OpenSubdiv::Osd;
@@ -312,7 +312,7 @@ std::vector<Vec3> openSubdivPoints(const PolygonMesh& cage, int levels) {
   return points;
 }
 
-TEST(Subdivide, CatmullClarkAgreesWithOpenSubdivsEvaluator) {
+TEST(Subdivide, CatmullClarkAgreesWithOpenSubdivEvaluator) {
   for (const PolygonMesh& cage : {mixedCage(), threeQuads(), presetCage("tube"), presetCage("vase"), grid(3)})
     for (int levels = 1; levels <= 3; ++levels) {
       const std::vector<Vec3> ours =
@@ -323,7 +323,7 @@ TEST(Subdivide, CatmullClarkAgreesWithOpenSubdivsEvaluator) {
     }
 }
 
-TEST(Subdivide, QuadsAreAManifoldOfTheSameTopology) {
+TEST(Subdivide, QuadsKeepTheTopology) {
   for (const std::string& name : presetNames()) {
     const PolygonMesh cage = presetCage(name);
     const Subdivision subdivision = subdivide(cage, 2, SubdivisionRule::kCatmullClark);
@@ -337,7 +337,7 @@ TEST(Subdivide, QuadsAreAManifoldOfTheSameTopology) {
   }
 }
 
-TEST(Subdivide, AcceptsATwoSidedSheet) {
+TEST(Subdivide, AcceptsTwoSidedSheet) {
   PolygonMesh sheet = grid(1);
   sheet.faces.push_back({sheet.faces[0][3], sheet.faces[0][2], sheet.faces[0][1], sheet.faces[0][0]});
   for (const SubdivisionRule rule : kRules) {
@@ -348,7 +348,7 @@ TEST(Subdivide, AcceptsATwoSidedSheet) {
   }
 }
 
-TEST(Subdivide, RefusesWhatItCannotDo) {
+TEST(Subdivide, RejectsInvalidInput) {
   const PolygonMesh tube = presetCage("tube");
   for (const SubdivisionRule rule : kRules) {
     EXPECT_THROW(subdivide(tube, 0, rule), Error);
@@ -369,7 +369,7 @@ TEST(Subdivide, RefusesWhatItCannotDo) {
   }
 }
 
-TEST(Subdivide, NormalsOfAPlaneAndOfABall) {
+TEST(Subdivide, NormalsOfPlaneAndBallAreExact) {
   const PolygonMesh plane = grid(3);
   const Subdivision flat = subdivide(plane, 2, SubdivisionRule::kCatmullClark);
   for (const Vec3& normal : dataNormals(flat.quads, dataPoints(flat.matrix, plane.points)))
@@ -384,8 +384,8 @@ TEST(Subdivide, NormalsOfAPlaneAndOfABall) {
   }
 }
 
-TEST(Subdivide, NormalsWeighByArea) {
-  // Two quads hinged along the y axis, one upright and twice as large: their normals are 1 z and 2 x.
+TEST(Subdivide, NormalsAreAreaWeighted) {
+  // Two quads that share the y axis, one upright and twice as large: their normals are 1 z and 2 x.
   const std::vector<Vec3> points = {{0, 0, 0}, {-1, 0, 0}, {-1, 1, 0}, {0, 1, 0}, {0, 0, -2}, {0, 1, -2}};
   const std::vector<std::array<int, 4>> quads = {{1, 0, 3, 2}, {0, 4, 5, 3}};
   const std::vector<Vec3> normals = dataNormals(quads, points);

@@ -13,14 +13,14 @@ namespace {
 
 constexpr double kHandLength = 0.19;  // m
 
-/// A hand that is one box about the origin, each face divisions² squares of two triangles.
+/// A hand that is one box about the origin; each face has divisions² squares of two triangles.
 HandModel boxHand(const Vec3& half_size_m, int divisions = 1) {
   HandModel hand;
   hand.name = "box";
   std::vector<Vec3>& points = hand.skin.vertices;
   const auto pointAt = [&](const Vec3& place) {
     for (std::size_t i = 0; i < points.size(); ++i)
-      if ((points[i] - place).norm() < 1e-9) return int(i);  // faces share their edges
+      if ((points[i] - place).norm() < 1e-9) return int(i);  // faces share vertices along their edges
     points.push_back(place);
     return int(points.size()) - 1;
   };
@@ -57,7 +57,7 @@ GpuFit startAt(const Vec3& position, const Eigen::Quaterniond& rotation = Eigen:
   return fit;
 }
 
-/// A voxel model with its field, and fits in it on the device.
+/// A voxel model with its distance field, and fits in it on the device.
 struct Scene {
   GpuRig rig;
   Carver carver;
@@ -100,7 +100,7 @@ struct HandScene : Scene {
 constexpr double kScriptTimes[] = {0.5, 1.5, 2.1, 3.4,
                                    4.7};  // s: beside the tube, pressing, turning, above, pressing
 
-/// The truth, moved by up to `shift_m` and turned by up to `turn`.
+/// The true pose, moved by up to `shift_m` and rotated by up to `turn`.
 std::vector<GpuFit> startsAround(const GpuFit& truth, double shift_m, double turn, int count,
                                  std::mt19937& random) {
   std::uniform_real_distribution<double> within(-1, 1);
@@ -116,7 +116,7 @@ std::vector<GpuFit> startsAround(const GpuFit& truth, double shift_m, double tur
   return starts;
 }
 
-TEST(Fit, EveryStepEqualsTheReferencesFromTheSameState) {
+TEST(Fit, EveryStepEqualsTheReference) {
   const FitModel model = fitModel(builtInHand(false));
   Fitter fitter(testGpu(), model);
   HandCameras cameras;
@@ -135,7 +135,7 @@ TEST(Fit, EveryStepEqualsTheReferencesFromTheSameState) {
         EXPECT_LE(shift, 1e-5) << "at " << time_s << " s, step " << step;
         EXPECT_LE(turn, 1e-5) << "at " << time_s << " s, step " << step;
         EXPECT_NEAR(found[i].outside_m, expected.outside_m, 1e-4 * expected.outside_m + 1e-8);
-        EXPECT_NEAR(found[i].outside_count, expected.outside_count, 2);  // a patch on the very surface
+        EXPECT_NEAR(found[i].outside_count, expected.outside_count, 2);  // a patch exactly on the surface
         largest_shift = std::max(largest_shift, shift);
         largest_turn = std::max(largest_turn, turn);
       }
@@ -145,7 +145,7 @@ TEST(Fit, EveryStepEqualsTheReferencesFromTheSameState) {
   std::cout << "step error " << largest_shift << " of the hand, " << largest_turn << " of the quaternion\n";
 }
 
-TEST(Fit, TheFinalPoseEqualsTheReferences) {
+TEST(Fit, FinalPoseEqualsTheReference) {
   const FitModel model = fitModel(builtInHand(false));
   Fitter fitter(testGpu(), model);
   HandCameras cameras;
@@ -186,10 +186,10 @@ TEST(Fit, TwoRunsGiveTheSameBits) {
   }
 }
 
-// --- a rigid body under known force ---
+// --- a rigid body under a known force ---
 
-constexpr double kCube = 0.1;     // m, edge of the cube that is pushed
-constexpr double kDepth = 0.004;  // m, how far its face sticks out
+constexpr double kCube = 0.1;     // m, edge of the cube
+constexpr double kDepth = 0.004;  // m, by which its face protrudes
 
 /// The distance to a half space: s(p) = p.x - offset + tilt p.y.
 std::vector<double> planeField(const FieldGrid& grid, double offset, double tilt) {
@@ -211,7 +211,7 @@ FieldGrid planeGrid() {
   return grid;
 }
 
-TEST(Fit, AFaceThatSticksOutIsPushedBackByTheClosedForm) {
+TEST(Fit, ProtrudingFaceMovesByTheClosedForm) {
   const FitModel model = fitModel(boxHand(Vec3::Constant(kCube / 2)));
   ASSERT_EQ(model.patches.size(), 12u);
   EXPECT_NEAR(model.patch_area_m2, 6 * kCube * kCube, 1e-8);
@@ -228,15 +228,15 @@ TEST(Fit, AFaceThatSticksOutIsPushedBackByTheClosedForm) {
   EXPECT_EQ(fit.iterations, 1u);
 }
 
-TEST(Fit, AFaceThatIsPushedUnevenlyTurnsByTheClosedForm) {
+TEST(Fit, UnevenlyPushedFaceRotatesByTheClosedForm) {
   const FitModel model = fitModel(boxHand(Vec3::Constant(kCube / 2)));
   const double tilt = 0.1;
   const FieldGrid grid = planeGrid();
   const std::vector<double> field = planeField(grid, kCube / 2 - kDepth, tilt);
   const GpuFit fit = fitReference(model, field, grid, startAt(Vec3::Zero()), {1});
-  // The face's two triangles have their centroids at ±(y, z) and feel s = depth ± tilt y. With v = r x n =
-  // (0, z, -y) of the first: N = -a (s1 - s2) v = -2 a tilt y v; K's turning part is 2 a v vᵀ; M's is 0.01 ·
-  // 12 a · L² / 6.
+  // The face's two triangles have their centroids at ±(y, z) and s = depth ± tilt y. With v = r x n =
+  // (0, z, -y) of the first: N = -a (s1 - s2) v = -2 a tilt y v; the rotational part of K is 2 a v vᵀ; that
+  // of M is 0.01 · 12 a · L² / 6.
   Vec3 r = Vec3::Zero();
   for (const GpuPatch& patch : model.patches)
     if (patch.normal.x() > 0.9) r = patch.center.cast<double>();
@@ -249,14 +249,14 @@ TEST(Fit, AFaceThatIsPushedUnevenlyTurnsByTheClosedForm) {
   EXPECT_NEAR(fit.pose.position.x(), -(kDepth + kFitMargin * grid.cell_m) / 1.06, 1e-8);
 }
 
-TEST(Fit, AStepIsNeverLongerThanTheFieldIsLinear) {
+TEST(Fit, StepsStayWithinTheLinearRange) {
   const FitModel model = fitModel(boxHand(Vec3::Constant(kCube / 2)));
   const FieldGrid grid = planeGrid();
   const GpuFit fit = fitReference(model, planeField(grid, -0.05, 0), grid, startAt(Vec3::Zero()), {1});
   EXPECT_NEAR(fit.pose.position.norm(), 0.03, 1e-7);
 }
 
-// --- a box in a hull that is a box: the whole cube, which every camera sees ---
+// --- a box in a box-shaped hull: the whole workspace, which every camera sees ---
 
 constexpr double kBoxEdge = 0.2;  // m
 constexpr int kBoxVoxels = 48;    // 4.2 mm
@@ -271,7 +271,7 @@ Scene boxScene() {
   return Scene(rig, masks, kBoxVoxels, Vec3::Zero(), 0.11);
 }
 
-TEST(Fit, ADisplacedBoxComesBack) {
+TEST(Fit, DisplacedBoxReturns) {
   Scene scene = boxScene();
   ASSERT_EQ(scene.grid.place.stride, 1u);
   Fitter fitter(testGpu(), fitModel(boxHand(Vec3::Constant(kBoxEdge / 2), 10)));
@@ -288,7 +288,7 @@ TEST(Fit, ADisplacedBoxComesBack) {
   }
 }
 
-TEST(Fit, TheThreeOutcomesAreReportedApart) {
+TEST(Fit, DistinguishesThreeOutcomes) {
   Scene scene = boxScene();
   Fitter smaller(testGpu(), fitModel(boxHand(Vec3::Constant(0.47 * kBoxEdge), 6)));
   Fitter larger(testGpu(), fitModel(boxHand(Vec3::Constant(0.51 * kBoxEdge), 6)));
@@ -301,13 +301,13 @@ TEST(Fit, TheThreeOutcomesAreReportedApart) {
   EXPECT_EQ(included.outside_m, 0);
   EXPECT_GT(included.iterations, 0u);
 
-  // included from the start: nothing moves
+  // contained from the start: nothing moves
   const GpuFit at_rest = scene.fit(smaller, {startAt(Vec3::Zero())})[0];
   EXPECT_EQ(at_rest.outcome, kFitIncluded);
   EXPECT_EQ(at_rest.iterations, 0u);
   EXPECT_EQ(at_rest.pose.position.norm(), 0);
 
-  // all faces stick out by 2 mm and push against each other
+  // all faces protrude by 2 mm and push against each other
   const GpuFit stalled = scene.fit(larger, {displaced})[0];
   EXPECT_EQ(stalled.outcome, kFitStalled);
   EXPECT_GT(stalled.outside_fraction, 0.9);
@@ -328,7 +328,7 @@ TEST(Fit, TheThreeOutcomesAreReportedApart) {
 
 // --- the hand ---
 
-TEST(Fit, AForearmInTheImageDoesNotPullTheHandAlongIt) {
+TEST(Fit, ForearmDoesNotPullTheHand) {
   const FitModel model = fitModel(builtInHand(false));
   Fitter fitter(testGpu(), model);
   HandCameras cameras;
@@ -348,10 +348,10 @@ TEST(Fit, AForearmInTheImageDoesNotPullTheHandAlongIt) {
   }
 }
 
-TEST(Fit, PatchesWithoutAreaDoNoHarm) {
+TEST(Fit, IgnoresPatchesWithoutArea) {
   const HandModel box = boxHand(Vec3::Constant(0.05), 2);
   HandModel slivers = box;
-  // an edge of two triangles gets a point at its middle: one of them is split in two, and a triangle without
+  // an edge of two triangles gets a point at its middle: one triangle is split in two, and a triangle without
   // area fills the gap
   const auto [a, b, c] = slivers.skin.triangles[0];
   const int middle = int(slivers.skin.vertices.size());
@@ -371,10 +371,10 @@ TEST(Fit, PatchesWithoutAreaDoNoHarm) {
   EXPECT_LT((model.center_of_mass - expected.center_of_mass).norm(), 1e-12);
 }
 
-TEST(Fit, TheModelOfTheHandIsClosedAndStandsBeforeItsForearm) {
+TEST(Fit, HandModelIsClosedAndStartsAtTheWrist) {
   const HandModel hand = builtInHand(false);
   const FitModel model = fitModel(hand);
-  // a closed surface: areas times normals sum to nothing
+  // on a closed surface, the area-weighted normals add up to zero
   Vec3 sum = Vec3::Zero();
   double area = 0, cut = 0;
   for (const GpuPatch& patch : model.patches) {
@@ -398,7 +398,7 @@ TEST(Fit, TheModelOfTheHandIsClosedAndStandsBeforeItsForearm) {
   EXPECT_NEAR(thin_area, model.patch_area_m2, 1e-5 * area);
 }
 
-TEST(Fit, PosesThereAndBackAreTheSame) {
+TEST(Fit, PoseRoundTripIsExact) {
   const FitModel model = fitModel(builtInHand(true));
   Workspace workspace;
   workspace.center = Vec3(1, -2, 0.5);
@@ -411,7 +411,7 @@ TEST(Fit, PosesThereAndBackAreTheSame) {
   EXPECT_LT((rootOf(fit, model, workspace).matrix() - pose.matrix()).norm(), 1e-6);
 }
 
-TEST(Fit, JointAnglesPassThroughTheDevice) {
+TEST(Fit, JointAnglesRoundTripThroughTheDevice) {
   const FitModel model = fitModel(builtInHand(false));
   Fitter fitter(testGpu(), model);
   HandCameras cameras;

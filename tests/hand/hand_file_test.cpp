@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Hands in glTF binaries, right ones and damaged ones, that the tests write themselves.
+// Hands in glTF binaries, valid and damaged, which the tests write themselves.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,26 +15,26 @@
 namespace airclay {
 namespace {
 
-/// What the tests vary in a file that is right by default.
+/// What the tests vary in an otherwise valid file.
 struct Glb {
   int index_type = 5123;         // u16; 5121 u8, 5125 u32
   bool byte_weights = false;     // normalized u8 instead of float
-  bool nested = false;           // joints hang on each other, below a turned root, instead of lying flat
-  bool bound_elsewhere = false;  // vertices are turned and shifted by the inverse bind matrices
+  bool nested = false;           // joints form a hierarchy below a rotated root, instead of being siblings
+  bool bound_elsewhere = false;  // vertices are rotated and shifted by the inverse bind matrices
   bool two_primitives = false;
   bool inside_out = false;
   std::string missing_joint = "", doubled_joint = "";
   bool without_skin = false, sparse = false, truncated = false, looped_nodes = false;
   double first_coordinate = -0.02;  // of the first vertex
   unsigned last_index = 23;
-  int first_joint = 0;       // that the first vertex hangs on
+  int first_joint = 0;       // of the first vertex
   long accessor_count = 24;  // of POSITION
 };
 
 const Vec3 kShift(0.1, 0.2, -0.3), kTurn(0.2, -0.4, 1.1);
 const double kEdge = 0.04;
 
-/// An octahedron, its triangles not joined: 24 vertices at 6 places.
+/// An octahedron whose triangles share no vertices: 24 vertices at 6 positions.
 std::vector<Vec3> looseOctahedron() {
   std::vector<Vec3> vertices;
   for (int octant = 0; octant < 8; ++octant) {
@@ -53,7 +53,7 @@ Pose placed(const Vec3& translation, const Vec3& rotation) {
   return pose;
 }
 
-Pose jointWorld(int joint) {  // of the file's joints: any rigid transforms
+Pose jointWorld(int joint) {  // arbitrary rigid transforms of the file's joints
   return placed(Vec3(0.01 * joint, 0.02, -0.005 * (joint % 5)), {0.1 * joint, 0.3, -0.2});
 }
 
@@ -69,7 +69,8 @@ class GlbWriter {
       for (int c = 0; c < 3; ++c) put(positions, float(vertices[v][c]));
       const int second = 6;
       for (const int joint : {v == 0 ? glb_.first_joint : 0, second, 0, 0}) put(joints, std::uint8_t(joint));
-      const bool shared = vertices[v].z() > 0;  // a quarter with the index finger's first phalanx
+      const bool shared =
+          vertices[v].z() > 0;  // a quarter of the weight belongs to the index finger's first phalanx
       for (const double weight : {shared ? 0.6 : 1., shared ? 0.4 : 0., 0., 0.}) {
         if (glb_.byte_weights)
           put(weights, std::uint8_t(255 * weight));
@@ -162,7 +163,7 @@ class GlbWriter {
       joints.push_back(std::to_string(j));
     }
     nodes.push_back(glb_.without_skin ? R"({"mesh":0})" : R"({"mesh":0,"skin":0})");
-    std::ostringstream armature;  // the root, by its matrix
+    std::ostringstream armature;  // the root, as a matrix
     armature.precision(17);
     const Eigen::Matrix4d matrix =
         glb_.nested ? root().matrix() : Eigen::Matrix4d(Eigen::Matrix4d::Identity());
@@ -221,10 +222,10 @@ class HandFile : public testing::Test {
     return readHandModel(path_);
   }
 
-  /// The error's one line, which must name the file.
-  std::string fault(const Glb& glb) { return faultOfBytes(GlbWriter(glb).bytes()); }
+  /// The error's only line, which must name the file.
+  std::string errorOf(const Glb& glb) { return errorOfBytes(GlbWriter(glb).bytes()); }
 
-  std::string faultOfBytes(const std::string& bytes) {
+  std::string errorOfBytes(const std::string& bytes) {
     try {
       readBytes(bytes);
     } catch (const Error& error) {
@@ -233,7 +234,7 @@ class HandFile : public testing::Test {
       EXPECT_EQ(message.find('\n'), std::string::npos) << message;
       return message;
     }
-    ADD_FAILURE() << "read without a fault";
+    ADD_FAILURE() << "no error";
     return "";
   }
 
@@ -250,11 +251,11 @@ void expectOctahedron(const HandModel& hand, const Pose& scene_from_bound) {
     double nearest = 1;
     for (const Vec3& vertex : hand.skin.vertices)
       nearest = std::min(nearest, (vertex - scene_from_bound * corner).norm());
-    EXPECT_LT(nearest, 1e-6);  // the file's floats
+    EXPECT_LT(nearest, 1e-6);  // the file stores floats
   }
 }
 
-TEST_F(HandFile, IsReadInAllItsForms) {
+TEST_F(HandFile, ReadsEveryVariant) {
   for (const int index_type : {5121, 5123, 5125}) {
     for (const bool byte_weights : {false, true}) {
       for (const bool nested : {false, true}) {
@@ -285,54 +286,55 @@ TEST_F(HandFile, IsReadInAllItsForms) {
   }
 }
 
-TEST_F(HandFile, StandsWhereItsBindMatricesPutIt) {
+TEST_F(HandFile, AppliesBindMatrices) {
   Glb glb;
   glb.bound_elsewhere = true;
   glb.nested = true;
   expectOctahedron(read(glb), placed(kShift, kTurn));
 }
 
-TEST_F(HandFile, IsTurnedOutwards) {
+TEST_F(HandFile, OrientsTrianglesOutwards) {
   Glb glb;
   glb.inside_out = true;
   glb.last_index = 21;
   expectOctahedron(read(glb), Pose::Identity());
 }
 
-TEST_F(HandFile, IsRefusedWithTheReason) {
+TEST_F(HandFile, RejectsInvalidFilesWithTheReason) {
   const auto contains = [](const std::string& text, const std::string& part) {
     return text.find(part) != std::string::npos ? testing::AssertionSuccess()
                                                 : testing::AssertionFailure() << text << " lacks " << part;
   };
-  EXPECT_TRUE(contains(fault({.missing_joint = "ring-finger-tip"}), "lacks the joint ring-finger-tip"));
-  EXPECT_TRUE(contains(fault({.doubled_joint = "wrist"}), "two joints are named wrist"));
-  EXPECT_TRUE(contains(fault({.without_skin = true}), "no skin"));
-  EXPECT_TRUE(contains(fault({.sparse = true}), "sparse"));
-  EXPECT_TRUE(contains(fault({.nested = true, .looped_nodes = true}), "own ancestors"));
-  EXPECT_TRUE(contains(fault({.first_coordinate = std::numeric_limits<double>::quiet_NaN()}), "not finite"));
-  EXPECT_TRUE(contains(fault({.last_index = 24}), "index 24 out of range"));
+  EXPECT_TRUE(contains(errorOf({.missing_joint = "ring-finger-tip"}), "lacks the joint ring-finger-tip"));
+  EXPECT_TRUE(contains(errorOf({.doubled_joint = "wrist"}), "two joints are named wrist"));
+  EXPECT_TRUE(contains(errorOf({.without_skin = true}), "no skin"));
+  EXPECT_TRUE(contains(errorOf({.sparse = true}), "sparse"));
+  EXPECT_TRUE(contains(errorOf({.nested = true, .looped_nodes = true}), "own ancestors"));
   EXPECT_TRUE(
-      contains(fault({.index_type = 5125, .last_index = 4000000000u}), "index 4000000000 out of range"));
-  EXPECT_TRUE(contains(fault({.first_joint = 25}), "joint index out of range"));
-  EXPECT_TRUE(contains(fault({.accessor_count = 25}), "reaches past"));
-  EXPECT_TRUE(contains(fault({.accessor_count = 4611686018427387904}), "reaches past"));
+      contains(errorOf({.first_coordinate = std::numeric_limits<double>::quiet_NaN()}), "not finite"));
+  EXPECT_TRUE(contains(errorOf({.last_index = 24}), "index 24 out of range"));
   EXPECT_TRUE(
-      contains(fault({.accessor_count = 20}), "out of range"));  // fewer vertices than the indices mean
-  EXPECT_TRUE(contains(faultOfBytes("solid stl, not a hand"), "not a glTF binary"));
-  EXPECT_TRUE(contains(faultOfBytes(""), "not a glTF binary"));
-  EXPECT_TRUE(contains(faultOfBytes(std::string("glTF\2\0\0\0\xff\xff\xff\xff____JSON{}", 24)), "damaged"));
-  EXPECT_TRUE(contains(fault({.truncated = true}), "damaged"));
+      contains(errorOf({.index_type = 5125, .last_index = 4000000000u}), "index 4000000000 out of range"));
+  EXPECT_TRUE(contains(errorOf({.first_joint = 25}), "joint index out of range"));
+  EXPECT_TRUE(contains(errorOf({.accessor_count = 25}), "reaches past"));
+  EXPECT_TRUE(contains(errorOf({.accessor_count = 4611686018427387904}), "reaches past"));
+  EXPECT_TRUE(
+      contains(errorOf({.accessor_count = 20}), "out of range"));  // fewer vertices than the indices use
+  EXPECT_TRUE(contains(errorOfBytes("solid stl, not a hand"), "not a glTF binary"));
+  EXPECT_TRUE(contains(errorOfBytes(""), "not a glTF binary"));
+  EXPECT_TRUE(contains(errorOfBytes(std::string("glTF\2\0\0\0\xff\xff\xff\xff____JSON{}", 24)), "damaged"));
+  EXPECT_TRUE(contains(errorOf({.truncated = true}), "damaged"));
 }
 
-TEST_F(HandFile, IsRefusedWhenTooLargeOrAbsent) {
+TEST_F(HandFile, RejectsLargeAndMissingFiles) {
   std::ofstream(path_) << "glTF";
-  std::filesystem::resize_file(path_, 65u << 20);  // sparse on the disk
+  std::filesystem::resize_file(path_, 65u << 20);  // a sparse file
   EXPECT_THROW(readHandModel(path_), Error);
   EXPECT_THROW(readHandModel(folder_ / "absent.glb"), Error);
   EXPECT_THROW(readHandModel(folder_.path()), Error);
 }
 
-TEST_F(HandFile, EndsNeitherInACrashNorInAnotherFaultWhenCutAnywhere) {
+TEST_F(HandFile, TruncatedFilesGiveOneKindOfError) {
   const std::string whole = GlbWriter({}).bytes();
   for (size_t length = 0; length < whole.size(); length += 97)
     EXPECT_THROW(readBytes(whole.substr(0, length)), Error);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The built-in hand's shape, and posing against closed forms.
+// The built-in hand's shape, and posing compared with closed forms.
 #include "engine/hand/hand_model.h"
 
 #include <gtest/gtest.h>
@@ -20,10 +20,10 @@ int jointIndex(const std::string& name) {
   throw std::runtime_error(name);
 }
 
-/// Closed, each edge run along once in each direction; one fan of triangles round each vertex; the Euler
+/// Closed: each edge occurs once in each direction; one fan of triangles around each vertex; the Euler
 /// characteristic.
 void expectOneClosedManifold(const TriangleMesh& mesh) {
-  std::map<std::pair<int, int>, int> third;  // the corner across from each directed edge
+  std::map<std::pair<int, int>, int> third;  // the corner opposite each directed edge
   for (const auto& t : mesh.triangles)
     for (int i = 0; i < 3; ++i)
       ASSERT_TRUE(third.emplace(std::pair{t[i], t[(i + 1) % 3]}, t[(i + 2) % 3]).second)
@@ -66,22 +66,22 @@ Eigen::AlignedBox3d boundsOf(const TriangleMesh& mesh) {
 class BuiltInHand : public testing::TestWithParam<bool> {};
 INSTANTIATE_TEST_SUITE_P(RightAndLeft, BuiltInHand, testing::Bool());
 
-TEST_P(BuiltInHand, IsOneClosedManifoldOfAHandsSize) {
+TEST_P(BuiltInHand, IsAClosedManifoldOfHandSize) {
   const HandModel hand = builtInHand(GetParam());
   expectOneClosedManifold(hand.skin);
   EXPECT_GE(hand.skin.triangles.size(), 2500u);
   EXPECT_LE(hand.skin.triangles.size(), 6000u);
-  const double volume_m3 = massProperties(hand.skin).volume_m3;  // positive: outwards
+  const double volume_m3 = massProperties(hand.skin).volume_m3;  // positive: outward
   EXPECT_GT(volume_m3, 300e-6);
   EXPECT_LT(volume_m3, 450e-6);
   const Eigen::AlignedBox3d box = boundsOf(hand.skin);
-  EXPECT_GT(box.max().x(), 0.185);  // from the wrist, at the origin, to the middle finger's tip
+  EXPECT_GT(box.max().x(), 0.185);  // from the wrist, at the origin, to the tip of the middle finger
   EXPECT_LT(box.max().x(), 0.195);
   EXPECT_LT(box.min().x(), -0.010);
   EXPECT_GT(box.min().x(), -0.015);
 }
 
-TEST_P(BuiltInHand, HasTrianglesFitForNormals) {
+TEST_P(BuiltInHand, TrianglesHaveWellDefinedNormals) {
   const HandModel hand = builtInHand(GetParam());
   for (const auto& t : hand.skin.triangles) {
     for (int i = 0; i < 3; ++i) {
@@ -92,7 +92,7 @@ TEST_P(BuiltInHand, HasTrianglesFitForNormals) {
   }
 }
 
-TEST_P(BuiltInHand, HasTheStandardsJointsWithinItsSkin) {
+TEST_P(BuiltInHand, WebXrJointsAreInsideTheSkin) {
   const HandModel hand = builtInHand(GetParam());
   ASSERT_EQ(hand.joints.size(), kJointNames.size());
   const double side = GetParam() ? -1 : 1;
@@ -111,7 +111,7 @@ TEST_P(BuiltInHand, HasTheStandardsJointsWithinItsSkin) {
   EXPECT_LT(std::abs(place("middle-finger-tip").y()), 0.003);
   EXPECT_GT(side * place("thumb-tip").y(), 0.05);
   EXPECT_GT(side * place("index-finger-tip").y(), side * place("pinky-finger-tip").y());
-  // Buryanov and Kotiuk 2010, mm; the last with the soft tip.
+  // Buryanov and Kotiuk 2010, mm; the last segment includes the soft tip.
   const std::map<std::string, double> lengths = {{"thumb-phalanx-proximal", 46.22},
                                                  {"thumb-phalanx-distal", 31.57},
                                                  {"thumb-tip", 21.67 + 5.67},
@@ -128,14 +128,14 @@ TEST_P(BuiltInHand, HasTheStandardsJointsWithinItsSkin) {
     const Vec3 parent = hand.joints[hand.joints[jointIndex(name)].parent].hand_from_joint_rest.translation();
     EXPECT_NEAR((place(name.c_str()) - parent).norm() * 1e3, length_mm, 1e-9) << name;
   }
-  // -z of a joint runs along its bone, y out of the back.
+  // -z of a joint points along its bone, y out of the back of the hand.
   const Mat3 knuckle = hand.joints[jointIndex("index-finger-phalanx-proximal")].hand_from_joint_rest.linear();
   const Vec3 bone = place("index-finger-phalanx-intermediate") - place("index-finger-phalanx-proximal");
   EXPECT_GT((-knuckle.col(2)).dot(bone.normalized()), 1 - 1e-12);
   EXPECT_GT(knuckle(2, 1), 0.95);
 }
 
-TEST_P(BuiltInHand, HoldsEveryVertex) {
+TEST_P(BuiltInHand, EveryVertexHasWeights) {
   const HandModel hand = builtInHand(GetParam());
   ASSERT_EQ(hand.weights.size(), hand.skin.vertices.size());
   for (const SkinWeights& held : hand.weights) {
@@ -150,7 +150,7 @@ TEST_P(BuiltInHand, HoldsEveryVertex) {
   }
 }
 
-TEST_P(BuiltInHand, KnowsItsFlatCut) {
+TEST_P(BuiltInHand, WristCutIsFlat) {
   const HandModel hand = builtInHand(GetParam());
   ASSERT_EQ(hand.cut_patches.size(), hand.skin.triangles.size());
   double area_m2 = 0;
@@ -176,7 +176,7 @@ TEST(BuiltInHands, MirrorEachOther) {
     EXPECT_EQ(left.skin.vertices[v], Vec3(vertex.x(), -vertex.y(), vertex.z()));
   }
   EXPECT_NEAR(massProperties(left.skin).volume_m3, massProperties(right.skin).volume_m3, 1e-15);
-  // Both fists close by the same angles: about x of each joint.
+  // Both fists close by the same angles, about x of each joint.
   std::vector<Vec3> angles(25, Vec3::Zero());
   for (const char* name :
        {"index-finger-phalanx-proximal", "ring-finger-phalanx-intermediate", "thumb-phalanx-distal"})
@@ -196,15 +196,15 @@ TEST(BuiltInForearm, ContinuesTheWristBackwards) {
   const TriangleMesh skin = builtInHand(false).skin;
   const Eigen::AlignedBox3d box = boundsOf(forearm);
   EXPECT_GT(box.max().x(), boundsOf(skin).min().x());  // no gap
-  for (const Vec3& vertex : forearm.vertices) {        // and what reaches into the hand does not show
+  for (const Vec3& vertex : forearm.vertices) {        // the part inside the hand is hidden
     if (vertex.x() > -0.006) {
       EXPECT_LT(signedDistance(skin, vertex), 0) << vertex.transpose();
     }
   }
-  EXPECT_NEAR(box.min().x(), -0.235, 0.01);  // 22 cm on from the cut
+  EXPECT_NEAR(box.min().x(), -0.235, 0.01);  // extends 22 cm from the cut
 }
 
-TEST(PosedSkin, IsTheRestPoseWithoutAngles) {
+TEST(PosedSkin, ZeroAnglesGiveTheRestPose) {
   const HandModel hand = builtInHand(false);
   const TriangleMesh posed = posedSkin(hand, std::vector<Vec3>(hand.joints.size(), Vec3::Zero()));
   EXPECT_EQ(posed.triangles, hand.skin.triangles);
@@ -214,7 +214,7 @@ TEST(PosedSkin, IsTheRestPoseWithoutAngles) {
   EXPECT_THROW(posedSkin(hand, std::vector<Vec3>(3, Vec3::Zero())), Error);
 }
 
-TEST(PosedSkin, TurnsABentFingertipAboutItsKnuckle) {
+TEST(PosedSkin, BentFingertipRotatesAboutItsKnuckle) {
   const HandModel hand = builtInHand(false);
   const int knuckle = jointIndex("index-finger-phalanx-proximal"),
             distal = jointIndex("index-finger-phalanx-distal");
@@ -227,7 +227,7 @@ TEST(PosedSkin, TurnsABentFingertipAboutItsKnuckle) {
   int checked = 0, still = 0;
   for (size_t v = 0; v < posed.vertices.size(); ++v) {
     const Vec3& rest = hand.skin.vertices[v];
-    double on_finger = 0;  // the share that turns
+    double on_finger = 0;  // the fraction that rotates
     for (int i = 0; i < 4; ++i)
       if (hand.weights[v].joints[i] >= knuckle && hand.weights[v].joints[i] <= distal + 1)
         on_finger += hand.weights[v].weights[i];
@@ -247,7 +247,7 @@ TEST(PosedSkin, TurnsABentFingertipAboutItsKnuckle) {
   EXPECT_GT(still, 500);
 }
 
-TEST(PosedSkin, ComposesDownTheFinger) {
+TEST(PosedSkin, RotationsComposeAlongTheFinger) {
   HandModel hand = builtInHand(false);
   const int knuckle = jointIndex("index-finger-phalanx-proximal"), tip = jointIndex("index-finger-tip");
   hand.skin.vertices = {hand.joints[tip].hand_from_joint_rest.translation()};
@@ -264,7 +264,7 @@ TEST(PosedSkin, ComposesDownTheFinger) {
   EXPECT_LT((posedSkin(hand, angles).vertices[0] - hand_from_joint.translation()).norm(), 1e-14);
 }
 
-TEST(LoadHand, KnowsRightAndLeft) {
+TEST(LoadHand, LoadsRightAndLeft) {
   EXPECT_EQ(loadHand("right").name, "right");
   EXPECT_LT(loadHand("left").joints[jointIndex("thumb-tip")].hand_from_joint_rest.translation().y(), 0);
   EXPECT_THROW(loadHand("neither.glb"), Error);

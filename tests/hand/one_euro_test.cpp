@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The One Euro filter on signals whose answer has a closed form: with T_e between samples and the time
-// constant tau, alpha = 1 / (1 + tau / T_e); a step is answered by 1 - (1 - alpha)^n, a ramp of slope v
-// followed v tau behind, whatever the samples' pace. The cutoff at speed v is f + beta v^2 / (v + tremor).
+// The One Euro filter on signals with a closed-form response: with T_e between samples and the time
+// constant tau, alpha = 1 / (1 + tau / T_e); the response to a step is 1 - (1 - alpha)^n, and a ramp of slope
+// v is followed v tau behind, at any sampling rate. The cutoff at speed v is f + beta v^2 / (v + tremor).
 #include "engine/hand/one_euro.h"
 
 #include <gtest/gtest.h>
@@ -42,7 +42,7 @@ OneEuroOptions fixedCutoff(double hz) {
   return options;
 }
 
-/// Instants between 1 and 100 ms apart.
+/// Times between 1 and 100 ms apart.
 std::vector<double> unevenTimes(int count) {
   std::mt19937 random(7);
   std::vector<double> times;
@@ -52,7 +52,7 @@ std::vector<double> unevenTimes(int count) {
   return times;
 }
 
-TEST(OneEuro, FirstSampleIsTakenAsItIs) {
+TEST(OneEuro, FirstSampleIsUnchanged) {
   OneEuroPose filter;
   const Pose pose = at({0.1, 0.2, 0.3}, rotationFromVector({0.5, 1, -2}));
   EXPECT_EQ(filter.latencyS(), 0);
@@ -60,7 +60,7 @@ TEST(OneEuro, FirstSampleIsTakenAsItIs) {
   EXPECT_EQ(filter.latencyS(), 0);
 }
 
-TEST(OneEuro, AnswersAStepByAPower) {
+TEST(OneEuro, StepResponseIsAPower) {
   OneEuroPose filter(fixedCutoff(2));
   const double step_s = 1.0 / 30, alpha = 1 / (1 + timeConstant(2) / step_s);
   const Vec3 jump_m(0.01, -0.02, 0.03), turn(0.2, -0.4, 0.1);
@@ -73,7 +73,7 @@ TEST(OneEuro, AnswersAStepByAPower) {
   }
 }
 
-TEST(OneEuro, FollowsARampByTheLatencyItStates) {
+TEST(OneEuro, RampLagsByTheStatedLatency) {
   for (const double speed_m_s : {0.003, 0.02, 0.1, 0.3, 1.0}) {
     const OneEuroOptions options;
     const double lag_s = timeConstant(cutoff(options, speed_m_s));
@@ -93,10 +93,10 @@ TEST(OneEuro, FollowsARampByTheLatencyItStates) {
   }
 }
 
-TEST(OneEuro, FollowsATurnThroughManyRevolutions) {
+TEST(OneEuro, FollowsManyRevolutions) {
   const OneEuroOptions options;
   const Vec3 axis = Vec3(3, -1, 2).normalized();
-  for (const double speed_rad_s : {-4.0, 1.0, 6.0}) {  // a quaternion changes its sign at each revolution
+  for (const double speed_rad_s : {-4.0, 1.0, 6.0}) {  // the quaternion changes sign at each revolution
     const double lag_s = timeConstant(turnCutoff(options, std::abs(speed_rad_s)));
     OneEuroPose filter;
     for (const double time_s : unevenTimes(600)) {
@@ -109,7 +109,7 @@ TEST(OneEuro, FollowsATurnThroughManyRevolutions) {
   }
 }
 
-TEST(OneEuro, AStillHandDoesNotTremble) {
+TEST(OneEuro, StillHandDoesNotJitter) {
   std::mt19937 random(3);
   std::normal_distribution<> normal;
   const auto noise = [&](double sigma) {
@@ -124,7 +124,7 @@ TEST(OneEuro, AStillHandDoesNotTremble) {
     const Pose smooth = filter.filter(
         i / 30.0, at(Vec3(0.1, 0, 0.2) + noise(0.33e-3), turn * rotationFromVector(noise(0.3 * kDegree))));
     if (i < 90) continue;
-    moved_m2 += (smooth.translation() - Vec3(0.1, 0, 0.2)).squaredNorm() / 3;  // an axis
+    moved_m2 += (smooth.translation() - Vec3(0.1, 0, 0.2)).squaredNorm() / 3;  // per axis
     turned_2 += std::pow(angleBetween(smooth.linear(), turn), 2) / 3;
     ++count;
   }
@@ -133,8 +133,8 @@ TEST(OneEuro, AStillHandDoesNotTremble) {
   EXPECT_GT(std::sqrt(moved_m2 / count), 1e-6);  // it follows
 }
 
-TEST(OneEuro, KnowsNoAxes) {
-  // Of a turned world the smoothed path is the turned path.
+TEST(OneEuro, IsRotationInvariant) {
+  // Filtering commutes with rotations of the world.
   const Pose turned = at({0.3, -0.1, 0.7}, rotationFromVector({1, -2, 0.5}));
   OneEuroPose here, there;
   for (const double time_s : unevenTimes(200)) {
@@ -145,7 +145,7 @@ TEST(OneEuro, KnowsNoAxes) {
   }
 }
 
-TEST(OneEuro, TimeThatStandsStillOrRunsBackChangesNothing) {
+TEST(OneEuro, IgnoresNonIncreasingTime) {
   OneEuroPose filter;
   for (int i = 0; i < 30; ++i) filter.filter(100 + i / 30.0, at({0.01 * i, 0, 0}));
   const double last_s = 100 + 29 / 30.0, latency_s = filter.latencyS();
@@ -155,14 +155,14 @@ TEST(OneEuro, TimeThatStandsStillOrRunsBackChangesNothing) {
     EXPECT_TRUE(smooth.isApprox(before, 0));
     EXPECT_EQ(filter.latencyS(), latency_s);
   }
-  // A clock set back doesn't stop it.
+  // A clock that is set back does not stop it.
   Pose smooth = Pose::Identity();
   for (int i = 1; i < 300; ++i) smooth = filter.filter(2 + i / 30.0, at({0.5, 0, 0}));
   EXPECT_LT((smooth.translation() - Vec3(0.5, 0, 0)).norm(), 1e-4);
 }
 
-TEST(OneEuro, ATinyStepDoesNotMakeNoiseASpeed) {
-  // Half a millimetre within a nanosecond: 500 km/s, for as long.
+TEST(OneEuro, TinyTimeStepDoesNotAmplifyNoise) {
+  // Half a millimetre within a nanosecond: 500 km/s, once.
   OneEuroPose filter;
   for (int i = 0; i < 60; ++i) filter.filter(i / 30.0, at(Vec3::Zero()));
   const double rest_lag_s = filter.latencyS();
@@ -171,7 +171,7 @@ TEST(OneEuro, ATinyStepDoesNotMakeNoiseASpeed) {
   EXPECT_GT(filter.latencyS(), 0.3 * rest_lag_s);
 }
 
-TEST(OneEuro, ResetForgets) {
+TEST(OneEuro, ResetDiscardsTheState) {
   OneEuroPose filter;
   for (int i = 0; i < 30; ++i) filter.filter(i / 30.0, at({0.01 * i, 0, 0}));
   filter.reset();
@@ -179,7 +179,7 @@ TEST(OneEuro, ResetForgets) {
   const Pose elsewhere = at({-0.2, 0.1, 0}, rotationFromVector({0, 3, 0}));
   EXPECT_TRUE(filter.filter(1.5, elsewhere).isApprox(elsewhere, 1e-12));
   EXPECT_TRUE(filter.filter(1.6, elsewhere).isApprox(elsewhere, 1e-12));
-  EXPECT_LE(filter.latencyS(), 0.1 + 1e-12);  // no longer than it has looked
+  EXPECT_LE(filter.latencyS(), 0.1 + 1e-12);  // at most the time since its first sample
 }
 
 }  // namespace

@@ -46,14 +46,14 @@ struct Tracking {
     EXPECT_TRUE(hazards(recorder.commands()).empty());
     return tracker.finish();
   }
-  /// As the pipeline does it on a frame without a last pose.
+  /// As in the pipeline for a frame without a last pose.
   HandFit search(const std::vector<Mask>& images) {
     carve(images);
     return tracker.search(recorder, stage_ms) ? follow() : HandFit{};
   }
 };
 
-/// The farthest that the hand reaches from the workspace's centre.
+/// The hand's largest distance from the workspace's centre.
 double reach(const HandModel& hand, const Pose& world_from_hand) {
   double farthest = 0;
   for (const Vec3& vertex : hand.skin.vertices)
@@ -61,7 +61,7 @@ double reach(const HandModel& hand, const Pose& world_from_hand) {
   return farthest;
 }
 
-TEST(Tracker, RotationsOfTheSearchCoverAllOrientations) {
+TEST(Tracker, SearchRotationsCoverAllOrientations) {
   const std::vector<Eigen::Quaterniond> rotations = spreadRotations(600);
   ASSERT_EQ(rotations.size(), 600u);
   std::mt19937 random(3);
@@ -80,8 +80,8 @@ TEST(Tracker, RotationsOfTheSearchCoverAllOrientations) {
   for (const Eigen::Quaterniond& rotation : rotations) EXPECT_NEAR(rotation.norm(), 1, 1e-12);
 }
 
-// Images stay as they are; rig and truth turn together. So orientation, the cube's corners and the voxels'
-// raster are new every time.
+// Rig and truth rotate together, so the images stay the same while the orientation, the workspace's corners
+// and the voxel grid differ each time.
 TEST(Tracker, FindsTheHandInAnyOrientation) {
   const HandModel hand = builtInHand(false);
   HandCameras cameras;
@@ -90,7 +90,7 @@ TEST(Tracker, FindsTheHandInAnyOrientation) {
   int tries = 0, found = 0;
   for (const double time_s : {0.5, 1.5, 2.1, 3.4, 4.6}) {
     Pose truth = *script.at(time_s);
-    truth.translation() *= 0.4;  // so that it stays in the cube when it is turned
+    truth.translation() *= 0.4;  // so that it stays in the workspace when rotated
     ASSERT_LT(reach(hand, truth), 0.29);
     const std::vector<Mask> masks = cameras.masks(truth);
     for (int i = 0; i < 20; ++i, ++tries) {
@@ -112,7 +112,7 @@ TEST(Tracker, FollowsTheHandFromItsLastPose) {
   const HandScript script = demoScript();
   Tracking tracking(cameras.rig().rig(), builtInHand(false));
   const Vec3& center_of_mass = tracking.tracker.model().center_of_mass;
-  // the turn from the side to above: the fastest of the script
+  // the rotation from the side to above: the fastest motion of the script
   constexpr int first = 88, last = 112;
   for (int frame = first; frame <= last; ++frame) {
     SCOPED_TRACE("frame " + std::to_string(frame));
@@ -135,7 +135,7 @@ TEST(Tracker, FollowsTheHandFromItsLastPose) {
   }
 }
 
-TEST(Tracker, TheLeftHandIsFoundByItsOwnModel) {
+TEST(Tracker, LeftHandModelFindsTheLeftHand) {
   HandCameras cameras(demoRig(), {builtInHand(true).skin, builtInForearm(true)});
   Tracking tracking(cameras.rig().rig(), builtInHand(true));
   const Pose truth = *demoScript().at(3.4);
@@ -146,10 +146,10 @@ TEST(Tracker, TheLeftHandIsFoundByItsOwnModel) {
   EXPECT_LT(error.turn_degrees, 3);
 }
 
-TEST(Tracker, NobodyIsFoundWhereNobodyIs) {
+TEST(Tracker, EmptyHullGivesNoHand) {
   const Rig rig = demoRig();
   Tracking tracking(rig, builtInHand(false));
-  // nothing, and a pea
+  // an empty hull, and one of a few millimetres
   for (const double radius_m : {-1.0, 0.006}) {
     EXPECT_FALSE(tracking.search(sphereMasks(rig, Vec3(0.05, 0, 0.02), radius_m)).tracked);
     EXPECT_TRUE(tracking.tracker.isEmpty());
@@ -161,7 +161,7 @@ TEST(Tracker, NobodyIsFoundWhereNobodyIs) {
   EXPECT_FALSE(tracking.tracker.hasPose());
 }
 
-TEST(Tracker, AHandThatIsGoneIsForgotten) {
+TEST(Tracker, ForgetsAHandThatLeaves) {
   HandCameras cameras;
   const Rig rig = cameras.rig().rig();
   Tracking tracking(rig, builtInHand(false));
@@ -171,7 +171,7 @@ TEST(Tracker, AHandThatIsGoneIsForgotten) {
   EXPECT_FALSE(tracking.follow().tracked);
   EXPECT_FALSE(tracking.tracker.hasPose());
   EXPECT_TRUE(tracking.search(masks).tracked);
-  // at another place it is not taken for the same
+  // at another place it is not mistaken for the previous one
   ASSERT_TRUE(tracking.tracker.hasPose());
   tracking.carve(sphereMasks(rig, Vec3(-0.15, 0.15, 0.1), 0.06));
   EXPECT_FALSE(tracking.follow().tracked);

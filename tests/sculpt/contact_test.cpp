@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Contact: simple solids sweep a plane of points, where each has to go is known; the kernel against its
+// Contact: simple solids sweep a plane of points whose targets are known; the kernel is compared with its
 // reference.
 #include "engine/sculpt/contact.h"
 
@@ -26,7 +26,7 @@ ContactPose poseOf(const GpuHandPose& fit) {
   return {Eigen::Quaterniond(Eigen::Vector4d(fit.rotation.cast<double>())), fit.position.cast<double>()};
 }
 
-/// Data points that nothing but the test moves, and a hand.
+/// Data points that only the test moves, and a hand.
 struct Scene {
   Scene(const HandModel& hand, const std::vector<vec3>& data_points)
       : gpu(testGpu()),
@@ -37,7 +37,7 @@ struct Scene {
         fit(gpu, 1, Memory::kHost),
         recorder(gpu) {}
 
-  /// The first check of a frame; how many points are reached.
+  /// The first check of a frame; returns the number of reached points.
   int frame(const GpuHandPose& hand_fit, bool held = true) {
     fit.host()[0] = hand_fit;
     recorder.begin();
@@ -48,7 +48,7 @@ struct Scene {
     return static_cast<int>(contact.summary().touched);
   }
 
-  /// The clay has moved: one more check in the same frame.
+  /// The clay has moved: another check in the same frame.
   void check(const std::vector<vec3>& data_points) {
     data.upload(data_points);
     recorder.begin();
@@ -72,15 +72,15 @@ struct Scene {
   Recorder recorder;
 };
 
-/// A ball came down to `height` above the plane: who had to be reached was, and goes to the ball's lower
-/// half.
+/// A ball moved down to `height` above the plane: the points in its way were reached and move to the ball's
+/// lower half.
 void expectBelowTheBall(const Scene& scene, double height) {
   int reached = 0;
   for (const GpuContactPoint& point : scene.finder.points()) {
     const double off_axis = std::hypot(point.position.x(), point.position.y());
     const bool in_path =
         off_axis < kBallRadius_m && (height < 0 || std::hypot(off_axis, height) < kBallRadius_m);
-    const double margin = 0.0005;  // who is grazed may be missed
+    const double margin = 0.0005;  // grazed points may be missed
     if (std::abs(off_axis - kBallRadius_m) < margin ||
         (height > 0 && std::abs(std::hypot(off_axis, height) - kBallRadius_m) < margin))
       continue;
@@ -95,27 +95,26 @@ void expectBelowTheBall(const Scene& scene, double height) {
   EXPECT_GT(reached, 200);
 }
 
-TEST(Contact, ABallPushesAPlaneToItsFront) {
+TEST(Contact, BallPushesAPlaneToItsFront) {
   Scene scene(ballHand(kBallRadius_m), planePoints());
   EXPECT_EQ(scene.frame(gpuHandAt({0, 0, 0.035})), 0);
   EXPECT_GT(scene.frame(gpuHandAt({0, 0, 0.01})), 0);
   expectBelowTheBall(scene, 0.01);
 }
 
-TEST(Contact, AFastBallDoesNotPassThroughASheet) {
+TEST(Contact, FastBallDoesNotPassThroughASheet) {
   Scene scene(ballHand(kBallRadius_m), planePoints());
   scene.frame(gpuHandAt({0, 0, 0.1}));
-  scene.frame(gpuHandAt({0, 0, -0.15}));  // 25 cm in one frame, past the sheet with all of the ball
+  scene.frame(gpuHandAt({0, 0, -0.15}));  // 25 cm in one frame, completely past the sheet
   expectBelowTheBall(scene, -0.15);
 }
 
-TEST(Contact, AFastThinPlateDoesNotPassAndKeepsItsSide) {
+TEST(Contact, FastThinPlateKeepsItsSide) {
   // 4 mm thick
   Scene scene(boxHand({0.08, 0.08, 0.004}), planePoints());
   scene.frame(gpuHandAt({0, 0, 0.05}));
   scene.frame(gpuHandAt({0, 0, 0.0015}));  // half a millimetre deep
-  scene.frame(
-      gpuHandAt({0, 0, -0.02}));  // the points come out of the plate's back, were it not for their memory
+  scene.frame(gpuHandAt({0, 0, -0.02}));   // without memory, the points would come out at the plate's back
   int reached = 0;
   for (const GpuContactPoint& point : scene.finder.points()) {
     const double from_axis = point.position.head<2>().cwiseAbs().maxCoeff();
@@ -130,8 +129,8 @@ TEST(Contact, AFastThinPlateDoesNotPassAndKeepsItsSide) {
   EXPECT_GT(reached, 500);
 }
 
-TEST(Contact, AThinPlateThatTurnsSweepsAnArc) {
-  // a wing of 80 mm turns by 60 degrees about the y axis: it is reached who stood between, on the wing's
+TEST(Contact, RotatingThinPlateSweepsAnArc) {
+  // a wing of 80 mm rotates by 60 degrees about the y axis: it reaches the points in its way, on its
   // lower face
   Scene scene(boxHand({0.08, 0.08, 0.004}),
               std::vector<vec3>{{0.03f, 0, -0.02f}, {0.03f, 0, 0.02f}, {-0.03f, 0, 0.02f}});
@@ -143,7 +142,7 @@ TEST(Contact, AThinPlateThatTurnsSweepsAnArc) {
   const std::vector<GpuContactPoint> points = scene.finder.points();
   EXPECT_EQ(points[0].state, kPointReached);  // the wing's right half goes down
   EXPECT_EQ(points[1].state, kPointOutside);
-  EXPECT_EQ(points[2].state, kPointReached);  // and the left half up
+  EXPECT_EQ(points[2].state, kPointReached);  // and its left half up
   for (const int i : {0, 2}) {
     const Vec3 target_in_hand = turned(M_PI / 3).conjugate() * scene.target(points[std::size_t(i)]);
     // carried along by the skin that hit it: on its circle about the axis, on the leading face
@@ -152,14 +151,14 @@ TEST(Contact, AThinPlateThatTurnsSweepsAnArc) {
   }
 }
 
-TEST(Contact, PointsInsideAtTheStartAreLeftAloneUntilLeft) {
+TEST(Contact, InitialPenetrationIsIgnoredUntilItEnds) {
   Scene scene(ballHand(kBallRadius_m), {{0, 0, 0}, {0, 0, -0.04f}});
   EXPECT_EQ(scene.frame(gpuHandAt({0, 0, 0})), 0);
-  EXPECT_EQ(scene.frame(gpuHandAt({0, 0, -0.015})), 1);  // the lower point only
+  EXPECT_EQ(scene.frame(gpuHandAt({0, 0, -0.015})), 1);  // only the lower point
   std::vector<GpuContactPoint> points = scene.finder.points();
   EXPECT_EQ(points[0].state, kPointIgnored);
   EXPECT_EQ(points[1].state, kPointReached);
-  EXPECT_EQ(scene.frame(gpuHandAt({0, 0, 0.0305})), 0);  // half a millimetre outside: not left yet
+  EXPECT_EQ(scene.frame(gpuHandAt({0, 0, 0.0305})), 0);  // half a millimetre outside: not released yet
   EXPECT_EQ(scene.finder.points()[0].state, kPointIgnored);
   EXPECT_EQ(scene.frame(gpuHandAt({0, 0, 0.02})), 0);
   EXPECT_EQ(scene.frame(gpuHandAt({0, 0, 0.035})), 0);
@@ -167,15 +166,15 @@ TEST(Contact, PointsInsideAtTheStartAreLeftAloneUntilLeft) {
   EXPECT_EQ(scene.finder.points()[0].state, kPointReached);
 }
 
-TEST(Contact, LostFramesAndTheOpenClutchMoveNothingAndForgetTheHand) {
+TEST(Contact, LostFramesAndOpenClutchMoveNothing) {
   for (const bool lose : {true, false}) {
     Scene scene(ballHand(kBallRadius_m), planePoints());
     scene.frame(gpuHandAt({0, 0, 0.05}));
     EXPECT_EQ(lose ? scene.frame(lostHand()) : scene.frame(gpuHandAt({0, 0, 0.03}), false), 0);
     EXPECT_EQ(scene.contact.summary().done, 1u);
-    // it comes back on the other side: nobody knows its way
+    // it returns on the other side: its path is unknown
     EXPECT_EQ(scene.frame(gpuHandAt({0, 0, -0.05})), 0);
-    // and from there its way is known again
+    // from here on its path is known again
     EXPECT_GT(scene.frame(gpuHandAt({0, 0, -0.02})), 0);
   }
   Scene scene(ballHand(kBallRadius_m), planePoints());
@@ -184,7 +183,7 @@ TEST(Contact, LostFramesAndTheOpenClutchMoveNothingAndForgetTheHand) {
   EXPECT_EQ(scene.frame(gpuHandAt({0, 0, -0.05})), 0);
 }
 
-TEST(Contact, AHandThatGoesAwayLetsGo) {
+TEST(Contact, HandThatMovesAwayLetsGo) {
   Scene scene(ballHand(kBallRadius_m), planePoints());
   scene.frame(gpuHandAt({0, 0, 0.035}));
   EXPECT_GT(scene.frame(gpuHandAt({0, 0, 0.0299})), 0);
@@ -220,8 +219,8 @@ TEST(Contact, EqualsTheReference) {
       }
       const std::vector<GpuContactPoint> end = scene.finder.points();
       for (std::size_t i = 0; i < end.size(); ++i) {
-        // the push before the check, as far as the kernel did it, is part of the state that the check starts
-        // from
+        // the kernel's push before the check is part of the state from which the check
+        // starts
         ContactPoint point{start[i].position.cast<double>(),
                            start[i].state,
                            start[i].direction.cast<double>(),
@@ -240,7 +239,7 @@ TEST(Contact, EqualsTheReference) {
     before = now;
   }
   EXPECT_GT(reached, 1000);
-  // a surface grazed, or met at a step's end, is there for one and not for the other
+  // a grazed surface, or one met at the end of a step, may be hit in one and not in the other
   EXPECT_LE(different, compared / 2000);
 }
 

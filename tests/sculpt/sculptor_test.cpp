@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Contact, solve and subdivision together: a ball and the built-in hand pushed into clay.
+// Contact, solve and subdivision together: a ball and the built-in hand press into clay.
 #include "engine/sculpt/sculptor.h"
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kBallRadius_m = 0.03;
 
-/// Clay, hand and all that a frame needs.
+/// Clay, hand and everything a frame needs.
 struct Workshop {
   Workshop(const std::string& preset, int levels, const SolveMethod* rows, const HandModel& hand,
            const Vec3& workspace_center = Vec3::Zero())
@@ -40,7 +40,7 @@ struct Workshop {
     return sculptor.step();
   }
 
-  /// The surface's deepest point in the hand, by the surface and the hand alone.
+  /// Depth of the surface's deepest point inside the hand, computed only from surface and hand.
   double deepest() {
     if (grid.values.empty()) grid = contactGrid(skin);
     const GpuHandPose& hand = fit.host()[0];
@@ -61,7 +61,7 @@ struct Workshop {
   Recorder recorder;
 };
 
-/// A ball beside the tube's wall, 70 mm from its axis, pushed in by `push`.
+/// A ball next to the tube's wall, 70 mm from its axis, pushed in by `push`.
 GpuHandPose ballAt(double push) {
   return gpuHandAt(Vec3(0.07 + kBallRadius_m + 0.002 - push, 0, 0.01));
 }
@@ -74,7 +74,7 @@ double largestMove(const PolygonMesh& before, const PolygonMesh& after, bool far
   return largest;
 }
 
-TEST(Sculptor, ABallPushesTheTubeIn) {
+TEST(Sculptor, BallPushesTheTubeIn) {
   for (const SolveMethod* rows : {&kSolveAll, &kSolveTouched}) {
     Workshop workshop("tube", 2, rows, ballHand(kBallRadius_m));
     const PolygonMesh before = workshop.clay.surface();
@@ -89,7 +89,7 @@ TEST(Sculptor, ABallPushesTheTubeIn) {
     const PolygonMesh after = workshop.clay.surface();
     EXPECT_GT(largestMove(before, after, false), 0.025) << "28 mm were pushed";
     EXPECT_LT(largestMove(before, after, true), 0.005);
-    // the surface and its normals are those of the cage
+    // surface and normals belong to the cage
     const std::vector<Vec3> points =
         dataPoints(workshop.clay.subdivision().matrix, workshop.clay.cage().points);
     const std::vector<Vec3> normals = dataNormals(workshop.clay.subdivision().quads, points);
@@ -101,8 +101,8 @@ TEST(Sculptor, ABallPushesTheTubeIn) {
   }
 }
 
-TEST(Sculptor, AFastBallIsFollowed) {
-  // 1 and 2 cm a frame: the surface comes out of the ball within the 32 repeats
+TEST(Sculptor, FollowsAFastBall) {
+  // 1 and 2 cm per frame: the surface leaves the ball within 32 repeats
   for (const double step_m : {0.01, 0.02}) {
     Workshop workshop("tube", 2, &kSolveAll, ballHand(kBallRadius_m));
     workshop.frame(ballAt(0));
@@ -114,13 +114,13 @@ TEST(Sculptor, AFastBallIsFollowed) {
   }
 }
 
-TEST(Sculptor, ALonePointEndsOnTheHandNotBeyond) {
-  // a rod's tip of 8 mm against one data point: what hurries the repeats must not throw it off the rod
+TEST(Sculptor, SinglePointEndsOnTheHand) {
+  // the tip of an 8 mm rod against one data point: accelerated repeats must not throw it off the rod
   Workshop workshop("tube", 2, &kSolveAll, boxHand({0.2, 0.008, 0.008}));
   const std::vector<vec3> points = workshop.clay.dataPoints().download();
   const auto nearest = std::min_element(points.begin(), points.end(), [](const vec3& a, const vec3& b) {
-    const vec3 wanted(0.07f, 0, 0);
-    return (a - wanted).norm() < (b - wanted).norm();
+    const vec3 target(0.07f, 0, 0);
+    return (a - target).norm() < (b - target).norm();
   });
   const Vec3 before = nearest->cast<double>();
   const auto index = static_cast<std::size_t>(nearest - points.begin());
@@ -128,7 +128,7 @@ TEST(Sculptor, ALonePointEndsOnTheHandNotBeyond) {
   const ClayStep step = workshop.frame(gpuHandAt(Vec3(before.x() + 0.09, before.y(), before.z())));
   EXPECT_EQ(step.touched, 1);
   EXPECT_LE(step.repeats, 4);
-  // the grid rounds the tip off by no more than a tenth of a millimetre in its middle
+  // the grid rounds the tip by at most a tenth of a millimetre in its middle
   EXPECT_NEAR(workshop.clay.dataPoints().download()[index].x(), before.x() - 0.01, 0.0005 + 0.0001);
 }
 
@@ -147,7 +147,7 @@ TEST(Sculptor, TheSameFramesGiveTheSameBits) {
   EXPECT_EQ(std::memcmp(runs[0].data(), runs[1].data(), runs[0].size() * sizeof(vec3)), 0);
 }
 
-TEST(Sculptor, NothingMovesWithoutAHandThatIsHeld) {
+TEST(Sculptor, NothingMovesWithoutHandAndClutch) {
   Workshop workshop("tube", 2, &kSolveAll, ballHand(kBallRadius_m));
   const PolygonMesh before = workshop.clay.surface();
   workshop.frame(ballAt(0));
@@ -156,14 +156,14 @@ TEST(Sculptor, NothingMovesWithoutAHandThatIsHeld) {
     EXPECT_EQ(open.touched + open.repeats, 0);
   }
   EXPECT_EQ(workshop.frame(lostHand()).repeats, 0);
-  EXPECT_EQ(workshop.frame(ballAt(0.02)).repeats, 0);  // found within the clay: left alone
+  EXPECT_EQ(workshop.frame(ballAt(0.02)).repeats, 0);  // it starts inside the clay: ignored
   EXPECT_EQ(workshop.frame(ballAt(0.0205)).penetration_m, 0);
   workshop.frame(ballAt(-0.01));
   EXPECT_LT(largestMove(before, workshop.clay.surface(), false), 0.001);
   EXPECT_GT(workshop.frame(ballAt(0.01)).repeats, 0) << "it has left, and comes again";
 }
 
-TEST(Sculptor, TheWorkspacesCentreAndSetControlPoints) {
+TEST(Sculptor, AppliesWorkspaceCentreAndNewControlPoints) {
   const Vec3 center(1, -2, 3);
   const PolygonMesh cage = presetCage("tube");
   Workshop workshop("tube", 2, &kSolveAll, ballHand(kBallRadius_m), center);
@@ -175,7 +175,7 @@ TEST(Sculptor, TheWorkspacesCentreAndSetControlPoints) {
   }
   EXPECT_EQ(workshop.clay.cage().faces, cage.faces);
 
-  // control points put where the hand is: that was no touch
+  // control points moved to the hand are not a touch
   const GpuHandPose inside = gpuHandAt(-center + Vec3(0.02, 0, 0));
   workshop.frame(inside);
   EXPECT_EQ(workshop.frame(inside).touched, 0);
@@ -189,7 +189,7 @@ TEST(Sculptor, TheWorkspacesCentreAndSetControlPoints) {
   EXPECT_THROW(workshop.clay.setControlPoints({}), Error);
 }
 
-TEST(Sculptor, ClayTurnsAboutTheWorkspacesCentre) {
+TEST(Sculptor, ClayRotatesAboutTheWorkspaceCentre) {
   const Vec3 center(1, -2, 3);
   const Eigen::Quaterniond about_z(Eigen::AngleAxisd(M_PI / 2, Vec3::UnitZ()));
   const PolygonMesh cage = presetCage("tube");
@@ -213,7 +213,7 @@ TEST(Sculptor, ClayTurnsAboutTheWorkspacesCentre) {
   workshop.clay.rotate(about_z);
   expectTurned(workshop.clay.cage().points, cage.points);
 
-  // clay that is turned into the hand was not touched by it
+  // clay that rotates into the hand is not touched by it
   const Eigen::Quaterniond about_x(Eigen::AngleAxisd(M_PI / 2, Vec3::UnitX()));
   const std::vector<Vec3> standing = workshop.clay.surface().points;
   const Vec3 top = *std::max_element(standing.begin(), standing.end(),

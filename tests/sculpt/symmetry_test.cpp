@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Images, what they agree on, and the orbits of control points.
+// Symmetry images, how their moves combine, and the orbits of control points.
 #include "engine/sculpt/symmetry.h"
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace {
 
 constexpr Symmetry kX{true, false, false}, kAllAxes{true, true, true};
 
-TEST(Symmetry, ImagesAreAllSumsOfTheAxes) {
+TEST(Symmetry, ImagesCoverAllAxisCombinations) {
   EXPECT_EQ(imageCount(mirrorsOf({})), 1u);
   EXPECT_EQ(imageCount(mirrorsOf(kX)), 2u);
   EXPECT_EQ(imageCount(mirrorsOf({true, false, true})), 4u);
@@ -33,7 +33,7 @@ TEST(Symmetry, ImagesAreAllSumsOfTheAxes) {
   }
 }
 
-TEST(Symmetry, ImagesAgreeOnTheLargerAndAddWhereTheyDiffer) {
+TEST(Symmetry, ImagesKeepTheLargerAndAddIndependentMoves) {
   EXPECT_EQ(agreedDisplacement({}), Vec3(0, 0, 0));
   EXPECT_EQ(agreedDisplacement({Vec3(1, -2, 3)}), Vec3(1, -2, 3));
   EXPECT_EQ(agreedDisplacement({Vec3(1, -2, 3), Vec3(2, -1, 3)}), Vec3(2, -2, 3));
@@ -41,7 +41,7 @@ TEST(Symmetry, ImagesAgreeOnTheLargerAndAddWhereTheyDiffer) {
   EXPECT_EQ(agreedDisplacement({Vec3(5, 0, 0), Vec3(-3, 0, 0), Vec3(-4, 0, 0)}), Vec3(1, 0, 0));
 }
 
-TEST(Symmetry, OrbitsAreEachOthersImagesAndCoverTheCageOnce) {
+TEST(Symmetry, OrbitsPartitionTheCage) {
   for (const std::string preset : {"ball", "cube", "slab"}) {
     const PolygonMesh cage = presetCage(preset);
     const SymmetryOrbits orbits = symmetryOrbits(cage, kAllAxes);
@@ -68,7 +68,7 @@ TEST(Symmetry, OrbitsAreEachOthersImagesAndCoverTheCageOnce) {
   EXPECT_LT(imageCount(symmetryOrbits(cut, kAllAxes).mirrors), 8u);
 }
 
-TEST(Symmetry, TheKernelAveragesAsItsReference) {
+TEST(Symmetry, KernelEqualsTheReference) {
   Gpu& gpu = testGpu();
   const PolygonMesh cage = presetCage("ball");
   for (const Symmetry& symmetry : {kX, Symmetry{false, true, true}, kAllAxes}) {
@@ -95,7 +95,7 @@ TEST(Symmetry, TheKernelAveragesAsItsReference) {
       EXPECT_LT((Vec3(found[3 * i], found[3 * i + 1], found[3 * i + 2]) - expected[i]).norm(), 1e-15);
       EXPECT_EQ(rounded[i], vec3(expected[i].cast<float>()));
     }
-    // and the result is what it is to be
+    // the result is the expected average
     for (std::size_t i = 0; i < orbits.points.size(); ++i) {
       const std::uint32_t images = imageCount(orbits.mirrors), image = std::uint32_t(i) % images;
       EXPECT_EQ(expected[orbits.points[i]],

@@ -31,12 +31,12 @@ TEST(ToolChoice, TextAndChoiceConvertBothWays) {
   EXPECT_EQ(formatTool(ToolChoice(*findTool("pull"))), "pull");
   EXPECT_EQ(formatTool(parseTool("pull:reach=12")), "pull:reach=12");
   EXPECT_EQ(formatTool(parseTool("smooth:reach=8,strength=0.5")), "smooth:reach=8,strength=0.5");
-  // a value that equals the initial one is left out
+  // omits a value that equals the initial one
   const Tool& pull = *findTool("pull");
   ToolChoice choice(pull);
   choice.setValue(0, pull.settings[0].initial);
   EXPECT_EQ(formatTool(choice), "pull");
-  // every digit is kept
+  // keeps every digit
   choice.setValue(0, 12.345678901234567);
   EXPECT_EQ(parseTool(formatTool(choice)), choice);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The kernels of pull and smooth against their references, and the neighbours that smoothing looks at.
+// The kernels of pull and smooth compared with their references, and the neighbours that smoothing uses.
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -107,7 +107,7 @@ TEST(Relax, EqualsTheReference) {
       Buffer<GpuHandPose> fit(testGpu(), 1, Memory::kHost);
       fit.host()[0] = turnedFit(0.3, Vec3(0.05, 0.02, 0.01));
       Recorder recorder(testGpu());
-      for (int i = 0; i < 2; ++i) {  // the first only tells where the hand is
+      for (int i = 0; i < 2; ++i) {  // the first one only tells where the hand is
         recorder.begin();
         frame.recordBegin(recorder, fit, true);
         relaxer.record(recorder, data_points, data_normals, 20);
@@ -135,7 +135,7 @@ TEST(Relax, EqualsTheReference) {
     }
 }
 
-TEST(Relax, NeighboursAreThoseAlongTheEdges) {
+TEST(Relax, NeighboursShareAnEdge) {
   // a sheet of 2 x 2 quads: points 0 1 2 / 3 4 5 / 6 7 8
   const std::vector<std::array<int, 4>> quads = {{0, 1, 4, 3}, {1, 2, 5, 4}, {3, 4, 7, 6}, {4, 5, 8, 7}};
   const SurfaceNeighbours neighbours = surfaceNeighbours(quads, 9);
@@ -158,14 +158,14 @@ TEST(Relax, NeighboursAreThoseAlongTheEdges) {
   EXPECT_EQ(closed.entries.size(), 4 * ball.quads.size()) << "each edge from both ends";
 }
 
-TEST(Relax, TheStrengthGoesWithTimeAndNeverBeyondAll) {
+TEST(Relax, StrengthGrowsWithTimeUpToTheLimit) {
   for (const int levels : {1, 2, 3, 4}) {
     const double roughest = 1 - std::cos(M_PI / std::exp2(levels));
     const double all = 1 / (roughest * roughest);
     EXPECT_EQ(relaxStrength(levels, 0), 0);
     EXPECT_NEAR(relaxStrength(levels, 1e-6) / all, 1e-6 / (kRelaxRepeats * kRelaxTime_s), 1e-8);
     EXPECT_LE(relaxStrength(levels, 100), all);
-    // what is left after two steps is what is left after one twice as long
+    // the remainder after two steps equals the remainder after one step of twice the duration
     const double left = 1 - relaxStrength(levels, 0.01) / all;
     EXPECT_NEAR(left * left, 1 - relaxStrength(levels, 0.02) / all, 1e-12);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The tools pull and smooth, and symmetry: what the clay does, by the clay and the hand alone.
+// The tools pull and smooth, and symmetry: their effect on the clay.
 #include "engine/sculpt/tools.h"
 
 #include <cmath>
@@ -43,7 +43,7 @@ PolygonMesh sheetCage(int quads) {
   return cage;
 }
 
-/// Clay, hand and all that a frame needs.
+/// Clay, hand and everything a frame needs.
 struct Workshop {
   Workshop(const PolygonMesh& cage, const SolveMethod* rows, const HandModel& hand, int levels = 2)
       : grid(contactGrid(hand.skin)),
@@ -92,7 +92,7 @@ double largestMove(
   return largest_m;
 }
 
-/// The surface's points that lie within the grip's reach of a ball.
+/// The surface points within the grip's reach of a ball.
 std::vector<std::size_t> within(const std::vector<Vec3>& points, const Vec3& center) {
   std::vector<std::size_t> found;
   for (std::size_t i = 0; i < points.size(); ++i)
@@ -104,7 +104,7 @@ SculptControls with(const Tool& tool, const Symmetry& symmetry = {}, bool held =
   return {.tool = tool, .symmetry = symmetry, .held = held};
 }
 
-TEST(Tools, PullCarriesTheGrippedPatchAndLeavesTheFarSide) {
+TEST(Tools, PullMovesOnlyTheGrippedPatch) {
   for (const SolveMethod* rows : kBothSolves) {
     Workshop workshop(ballCage(1), rows, ballHand(kBallRadius_m));
     const std::vector<Vec3> before = workshop.surface();
@@ -114,7 +114,7 @@ TEST(Tools, PullCarriesTheGrippedPatchAndLeavesTheFarSide) {
     ASSERT_GE(held.size(), 3u);
     EXPECT_EQ(workshop.frame(gpuHandAt(start), with(kPullTool)).touched, int(held.size()));
     EXPECT_EQ(largestMove(before, workshop.surface()), 0) << "taking hold moves nothing";
-    // 3 cm away and a little up, turning by 0.3 rad
+    // 3 cm away and slightly up, rotating by 0.3 rad
     for (int i = 1; i <= 15; ++i) {
       const Vec3 shift = i / 15.0 * Vec3(0.028, 0, 0.01);
       const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.02 * i, Vec3::UnitX()));
@@ -128,7 +128,7 @@ TEST(Tools, PullCarriesTheGrippedPatchAndLeavesTheFarSide) {
   }
 }
 
-TEST(Tools, PullLetsGoWithTheClutchTheToolAndTheHand) {
+TEST(Tools, PullReleasesWithClutchToolOrHand) {
   const Vec3 start(0.13, 0, 0), away(0.16, 0, 0);
   const auto pulled = [&](const std::function<void(Workshop&)>& between) {
     Workshop workshop(ballCage(1), &kSolveAll, ballHand(kBallRadius_m));
@@ -154,7 +154,7 @@ TEST(Tools, PullLetsGoWithTheClutchTheToolAndTheHand) {
   }
 }
 
-TEST(Tools, PullTakesHoldWhereTheHandFirstTouches) {
+TEST(Tools, PullGripsAtFirstTouch) {
   Workshop workshop(ballCage(1), &kSolveAll, ballHand(kBallRadius_m));
   const std::vector<Vec3> before = workshop.surface();
   EXPECT_EQ(workshop.frame(gpuHandAt(Vec3(0.2, 0, 0)), with(kPullTool)).touched, 0);
@@ -164,13 +164,13 @@ TEST(Tools, PullTakesHoldWhereTheHandFirstTouches) {
   EXPECT_EQ(held, int(within(before, touch).size()));
   EXPECT_GT(held, 0);
   EXPECT_EQ(largestMove(before, workshop.surface()), 0);
-  // it goes along the surface, and gathers no more
+  // it moves along the surface and gathers no further points
   for (int i = 1; i <= 5; ++i)
     EXPECT_EQ(workshop.frame(gpuHandAt(touch + Vec3(0, 0.004 * i, 0)), with(kPullTool)).touched, held);
   EXPECT_GT(largestMove(before, workshop.surface()), 0.018);
 }
 
-/// RMS of the distances from the ball that fits best about the origin.
+/// RMS distance from the best-fitting ball about the origin.
 double roughness(const std::vector<Vec3>& points) {
   double mean = 0, square = 0;
   for (const Vec3& point : points) mean += point.norm() / double(points.size());
@@ -178,17 +178,17 @@ double roughness(const std::vector<Vec3>& points) {
   return std::sqrt(square);
 }
 
-TEST(Tools, SmoothTakesTheBumpsAndLeavesTheBall) {
+TEST(Tools, SmoothRemovesBumpsAndKeepsTheBall) {
   for (const SolveMethod* rows : kBothSolves) {
     PolygonMesh cage = ballCage(1);
     for (Vec3& point : cage.points) point *= 0.06 / point.norm();
     const PolygonMesh even = cage;
-    // dents of a fingertip's width: four control points to a wave
+    // dents as wide as a fingertip: four control points per wave
     for (Vec3& point : cage.points)
       point *= 1 + 0.05 * std::sin(6 * std::atan2(point.y(), point.x())) *
                        std::sin(6 * std::acos(point.z() / point.norm()));
     for (const bool bumpy : {true, false}) {
-      // a hand that holds all of the ball
+      // a hand around the whole ball
       Workshop workshop(bumpy ? cage : even, rows, ballHand(0.07));
       const PolygonMesh before = workshop.clay.surface();
       workshop.frame(gpuHandAt(Vec3::Zero()), with(kSmoothTool));
@@ -214,7 +214,7 @@ TEST(Tools, SmoothTakesTheBumpsAndLeavesTheBall) {
   }
 }
 
-TEST(Tools, SmoothGoesAsFarInASecondAtAnyFrameRate) {
+TEST(Tools, SmoothIsIndependentOfFrameRate) {
   PolygonMesh cage = ballCage(1);
   for (std::size_t i = 0; i < cage.points.size(); ++i)
     cage.points[i] *= (0.06 / cage.points[i].norm()) * (1 + 0.05 * std::sin(7.3 * double(i * i)));
@@ -232,7 +232,7 @@ TEST(Tools, SmoothGoesAsFarInASecondAtAnyFrameRate) {
   EXPECT_LT(largestMove(ends[0], ends[1]), 0.1 * moved_m);
 }
 
-TEST(Tools, SmoothKeepsToTheHandsReach) {
+TEST(Tools, SmoothStaysWithinReach) {
   Workshop workshop(sheetCage(16), &kSolveTouched, ballHand(kBallRadius_m));
   std::vector<Vec3> points = workshop.clay.cage().points;
   for (std::size_t i = 0; i < points.size(); ++i) points[i].z() += i % 2 == 0 ? 0.003 : -0.003;
@@ -246,7 +246,7 @@ TEST(Tools, SmoothKeepsToTheHandsReach) {
   EXPECT_EQ(largestMove(before, after, [&](const Vec3& p) { return off_axis(p) > 0.04 + 4 * 0.0125; }), 0);
 }
 
-TEST(Tools, SmoothLeavesAFlatSheetInItsPlaneAndAnEvenTubeWithItsRims) {
+TEST(Tools, SmoothKeepsFlatSheetAndRegularTube) {
   for (const SolveMethod* rows : kBothSolves) {
     Workshop sheet(sheetCage(8), rows, boxHand({0.3, 0.3, 0.01}));
     Workshop tube(presetCage("tube"), rows, boxHand({0.2, 0.2, 0.25}));
@@ -260,7 +260,7 @@ TEST(Tools, SmoothLeavesAFlatSheetInItsPlaneAndAnEvenTubeWithItsRims) {
   }
 }
 
-TEST(Tools, SmoothEvensADentedRimAsACurve) {
+TEST(Tools, SmoothRelaxesADentedRimAsACurve) {
   for (const SolveMethod* rows : kBothSolves) {
     PolygonMesh cage = presetCage("tube");
     double top = 0;
@@ -270,7 +270,7 @@ TEST(Tools, SmoothEvensADentedRimAsACurve) {
       if (point.z() > top - 1e-6) point.z() += (up = !up) ? 0.008 : -0.008;
     Workshop tube(cage, rows, boxHand({0.2, 0.2, 0.3}));
     const auto rimWave = [&] {
-      // the rim's points are those that only one or two quads adjoin
+      // points on the rim belong to only one or two quads
       const SurfaceNeighbours neighbours =
           surfaceNeighbours(tube.clay.subdivision().quads, std::size_t(tube.clay.dataPointCount()));
       const std::vector<Vec3> points = tube.surface();
@@ -289,7 +289,7 @@ TEST(Tools, SmoothEvensADentedRimAsACurve) {
   }
 }
 
-/// How far the surface is from its mirror image, point to nearest point.
+/// The distance of the surface from its mirror image, point to nearest point.
 double asymmetry(const std::vector<Vec3>& points, const Vec3& signs) {
   double largest_m = 0;
   for (const Vec3& point : points) {
@@ -301,7 +301,7 @@ double asymmetry(const std::vector<Vec3>& points, const Vec3& signs) {
   return largest_m;
 }
 
-TEST(Tools, ASymmetricCageStaysSymmetricUnderEveryTool) {
+TEST(Tools, EveryToolKeepsSymmetry) {
   const HandModel hand = ballHand(kBallRadius_m);
   for (const SolveMethod* rows : kBothSolves)
     for (const Tool* tool : tools())
@@ -327,8 +327,8 @@ TEST(Tools, ASymmetricCageStaysSymmetricUnderEveryTool) {
       }
 }
 
-TEST(Tools, ThePlanesOfSymmetryTurnWithTheClay) {
-  // clay and hand turned alike: the same shape, turned; the clay that lies as it did is the truth
+TEST(Tools, SymmetryPlanesRotateWithTheClay) {
+  // clay and hand rotated together give the same shape, rotated; the unrotated clay is the truth
   const HandModel hand = ballHand(kBallRadius_m);
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()));
   PolygonMesh cage = presetCage("ball");
@@ -355,7 +355,7 @@ TEST(Tools, ThePlanesOfSymmetryTurnWithTheClay) {
       EXPECT_LT(largestMove(truth, found), 1e-5);
       EXPECT_LT(asymmetry(found, Vec3(-1, 1, 1)), 1e-6);
       EXPECT_LT(asymmetry(found, Vec3(1, -1, 1)), 1e-6);
-      // points of the same places about the workspace's own planes are not
+      // points are not symmetric about the workspace's own planes
       std::vector<Vec3> points = cage.points;
       for (Vec3& point : points) point = turn * point;
       moved.clay.setControlPoints(points);
@@ -363,8 +363,8 @@ TEST(Tools, ThePlanesOfSymmetryTurnWithTheClay) {
     }
 }
 
-TEST(Tools, SymmetryOnAnyMeshDoesBothSidesAsTheMirroredHandWould) {
-  // a cage without symmetry of its own: the mirrored stroke is that of a mirrored hand on it
+TEST(Tools, SymmetryEqualsAMirroredHandOnAnyMesh) {
+  // an asymmetric cage: the mirrored stroke equals that of a mirrored hand
   PolygonMesh cage = ballCage(1);
   for (std::size_t i = 0; i < cage.points.size(); ++i) cage.points[i] *= 1 + 0.02 * std::sin(double(i * i));
   const HandModel hand = ballHand(kBallRadius_m);
@@ -385,16 +385,17 @@ TEST(Tools, SymmetryOnAnyMeshDoesBothSidesAsTheMirroredHandWould) {
     const auto left = [](const Vec3& p) { return p.x() < -0.05; };
     EXPECT_GT(largestMove(before, surfaces[2], right), 0.008);
     EXPECT_GT(largestMove(before, surfaces[2], left), 0.008);
-    // the two strokes' rows are far from each other, so each is as if it were alone, but for when repeats end
+    // the rows of the two strokes are far apart, so each acts as if alone, except for when repeats end
     EXPECT_LT(largestMove(surfaces[0], surfaces[2], right), 0.0015);
     EXPECT_LT(largestMove(surfaces[1], surfaces[2], left), 0.0015);
   }
 }
 
-TEST(Tools, SwitchingInTheMiddleJumpsNowhere) {
+TEST(Tools, SwitchingToolsDoesNotJump) {
   for (const SolveMethod* rows : kBothSolves) {
     Workshop workshop(ballCage(1), rows, ballHand(kBallRadius_m));
-    // the hand stays, half in the clay: no switch moves anything but smoothing, which does little in a frame
+    // the hand stays half inside the clay: no switch moves anything except smoothing, which does little per
+    // frame
     const GpuHandPose still = gpuHandAt(Vec3(0.11, 0, 0));
     workshop.frame(still, with(kPushTool));
     const std::vector<Vec3> before = workshop.surface();
@@ -412,7 +413,7 @@ TEST(Tools, SwitchingInTheMiddleJumpsNowhere) {
   }
 }
 
-TEST(Tools, AnOpenSheetIsPulledBySymmetricHands) {
+TEST(Tools, SymmetricHandsPullAnOpenSheet) {
   for (const SolveMethod* rows : kBothSolves) {
     Workshop workshop(sheetCage(12), rows, ballHand(kBallRadius_m));
     const std::vector<Vec3> before = workshop.surface();
