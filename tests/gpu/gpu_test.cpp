@@ -46,7 +46,7 @@ void expectInterface(std::span<const std::uint32_t> spirv, std::size_t last,
 
 #define AIRCLAY_END_OF(Args, member) (offsetof(Args, member) + sizeof(Args::member))
 
-TEST(ShaderInterface, OffsetsAndUsesAreTheArgumentsOfCpp) {
+TEST(ShaderInterface, OffsetsAndAccessMatchTheCppStructs) {
   expectInterface(carve_tiles_comp, AIRCLAY_END_OF(CarveTileArgs, sums),
                   {{offsetof(CarveTileArgs, cameras), kReads},
                    {offsetof(CarveTileArgs, masks), kReads},
@@ -60,7 +60,7 @@ TEST(ShaderInterface, OffsetsAndUsesAreTheArgumentsOfCpp) {
                    {offsetof(CarveVoxelArgs, block_count), kReads},
                    {offsetof(CarveVoxelArgs, words), kWrites},
                    {offsetof(CarveVoxelArgs, sums), kReadsAndWrites}});
-  // FieldPlace, a struct with an array, stands between the pointers and the last member
+  // FieldPlace, a struct with an array, is between the pointers and the last member
   expectInterface(distance_rows_comp, AIRCLAY_END_OF(DistanceRowArgs, voxels),
                   {{offsetof(DistanceRowArgs, brick_states), kReads},
                    {offsetof(DistanceRowArgs, words), kReads},
@@ -80,7 +80,7 @@ TEST(ShaderInterface, OffsetsAndUsesAreTheArgumentsOfCpp) {
                    {offsetof(FitChooseArgs, hand), kWrites}});
 }
 
-/// A SPIR-V module by hand.
+/// Assembles a SPIR-V module.
 class Assembler {
  public:
   Assembler() : words_{0x07230203, 0x00010600, 0, 100, 0} {}
@@ -101,7 +101,7 @@ constexpr std::uint32_t kOpTypeInt = 21, kOpTypeArray = 28, kOpTypeStruct = 30, 
 constexpr std::uint32_t kOffset = 35, kNonWritable = 24, kNonReadable = 25;
 constexpr std::uint32_t kPushConstant = 9, kPhysicalStorageBuffer = 5349;
 
-TEST(ShaderInterface, PointersWithinNestedStructsAreFound) {
+TEST(ShaderInterface, FindsPointersInNestedStructs) {
   // push constants { struct { uint; read-only pointer }; write-only pointer; pointer; uint }
   enum : std::uint32_t { kUint = 1, kRead, kWrite, kBoth, kReadP, kWriteP, kBothP, kInner, kBlock, kBlockP };
   Assembler a;
@@ -123,43 +123,43 @@ TEST(ShaderInterface, PointersWithinNestedStructsAreFound) {
   expectInterface(a.words(), 52, {{24, kReads}, {32, kWrites}, {40, kReadsAndWrites}});
 }
 
-TEST(ShaderInterface, AShaderWithoutPushConstantsHasNoPointersAndADamagedOneIsRefused) {
+TEST(ShaderInterface, RejectsDamagedShaders) {
   EXPECT_EQ(shaderInterface(Assembler().words()).push_constant_bytes, 0u);
   EXPECT_TRUE(shaderInterface(Assembler().words()).pointers.empty());
   // cut in the middle of the first instruction, OpCapability with two words
   EXPECT_THROW(shaderInterface(std::span(fit_comp).first(6)), Error);
 }
 
-TEST(Kernel, ArgumentsShorterThanTheShadersAreRefused) {
+TEST(Kernel, RejectsTooShortArguments) {
   EXPECT_THROW(RawKernel(testGpu(), "fit", fit_comp, {8}, 64), Error);
 }
 
 // --- barriers from declarations ---
 
-/// Which of the commands have a barrier before them.
+/// The commands that have a barrier before them.
 std::vector<bool> barriers(const Recorder& recorder) {
   std::vector<bool> before;
   for (const RecordedCommand& command : recorder.commands()) before.push_back(command.barrier_before);
   return before;
 }
 
-TEST(Recorder, ABarrierStandsBeforeEveryRaceAndNowhereElse) {
+TEST(Recorder, BarriersAreExactlyWhereNeeded) {
   Gpu& gpu = testGpu();
   const Buffer<std::uint32_t> a(gpu, 16), b(gpu, 16), c(gpu, 16);
   Recorder recorder(gpu);
   recorder.begin();
-  recorder.fill(a.raw(), 1);            // the first
+  recorder.fill(a.raw(), 1);            // the first command
   recorder.fill(b.raw(), 2);            // independent
-  recorder.copy(a.raw(), c.raw(), 64);  // reads what was written
-  recorder.fill(b.raw(), 3);            // of b nothing is pending since the barrier
+  recorder.copy(a.raw(), c.raw(), 64);  // reads written data
+  recorder.fill(b.raw(), 3);            // nothing is pending on b since the barrier
   recorder.submitAndWait();
   EXPECT_EQ(barriers(recorder), (std::vector<bool>{false, false, true, false}));
 
   recorder.begin();
   recorder.copy(a.raw(), b.raw(), 64);
-  recorder.copy(a.raw(), c.raw(), 64);  // two readers
-  recorder.fill(a.raw(), 3);            // writes what is read
-  recorder.fill(a.raw(), 4);            // writes what was written
+  recorder.copy(a.raw(), c.raw(), 64);  // a second reader
+  recorder.fill(a.raw(), 3);            // writes data that is read
+  recorder.fill(a.raw(), 4);            // writes data that was written
   recorder.submitAndWait();
   EXPECT_EQ(barriers(recorder), (std::vector<bool>{false, false, true, true}));
   EXPECT_TRUE(hazards(recorder.commands()).empty());
@@ -167,7 +167,7 @@ TEST(Recorder, ABarrierStandsBeforeEveryRaceAndNowhereElse) {
   EXPECT_EQ(b.download(), std::vector<std::uint32_t>(16, 1));
 }
 
-TEST(Recorder, ADivisionRunsWhatWasRecordedAndTheRestFollows) {
+TEST(Recorder, DivideSubmitsTheRecordedCommands) {
   Gpu& gpu = testGpu();
   const Buffer<std::uint32_t> a(gpu, 16, Memory::kHost), b(gpu, 16, Memory::kHost);
   Recorder recorder(gpu);
@@ -189,7 +189,7 @@ TEST(Recorder, ADivisionRunsWhatWasRecordedAndTheRestFollows) {
   EXPECT_EQ(gpu.takeLongestSubmissionMs(), 0);
 }
 
-TEST(Recorder, HazardsAreThePairsWithoutABarrierBetween) {
+TEST(Recorder, HazardsArePairsWithoutABarrier) {
   const auto reads = [](std::uint64_t buffer) { return Access{buffer, true, false}; };
   const auto writes = [](std::uint64_t buffer) { return Access{buffer, false, true}; };
   using Pairs = std::vector<std::pair<int, int>>;
@@ -199,14 +199,14 @@ TEST(Recorder, HazardsAreThePairsWithoutABarrierBetween) {
   EXPECT_EQ(hazards({{"r", {reads(1)}, false}, {"r", {reads(1)}, false}}), Pairs{});
   EXPECT_EQ(hazards({{"w", {writes(1)}, false}, {"w", {writes(2)}, false}}), Pairs{});
   EXPECT_EQ(hazards({{"w", {writes(1)}, false}, {"r", {reads(1)}, true}}), Pairs{});
-  // a barrier between, though not right before the later one
+  // a barrier in between, though not right before the later one
   EXPECT_EQ(hazards({{"w", {writes(1)}, false}, {"o", {reads(2)}, true}, {"r", {reads(1)}, false}}), Pairs{});
-  // one that comes too early
+  // a barrier that is too early
   EXPECT_EQ(hazards({{"o", {reads(2)}, false}, {"w", {writes(1)}, true}, {"r", {reads(1)}, false}}),
             (Pairs{{1, 2}}));
 }
 
-/// Places the barriers as the recorder does.
+/// Places barriers like the recorder.
 void placeBarriers(std::vector<RecordedCommand>& commands,
                    const std::vector<std::vector<Access>>& declared_accesses) {
   HazardTracker tracker;
@@ -220,7 +220,7 @@ std::vector<std::vector<Access>> accessesOf(const std::vector<RecordedCommand>& 
   return accesses;
 }
 
-TEST(Recorder, RandomCommandsHaveEnoughBarriersAndNoneTooMany) {
+TEST(Recorder, RandomCommandsGetMinimalBarriers) {
   std::mt19937 random(7);
   for (int round = 0; round < 50; ++round) {
     std::vector<RecordedCommand> commands(20);
@@ -240,7 +240,7 @@ TEST(Recorder, RandomCommandsHaveEnoughBarriersAndNoneTooMany) {
   }
 }
 
-TEST(Recorder, APointerIntoNoLiveBufferIsRefused) {
+TEST(Recorder, RejectsPointersOutsideLiveBuffers) {
   Gpu& gpu = testGpu();
   Kernel<FitChooseArgs> kernel(gpu, "fit_choose", fit_choose_comp);
   const Buffer<GpuFit> fits(gpu, 2), result(gpu, 1);
@@ -255,7 +255,7 @@ TEST(Recorder, APointerIntoNoLiveBufferIsRefused) {
   Recorder recorder(gpu);
   recorder.begin();
   recorder.dispatch(kernel, args, 1);
-  // within a buffer is good, its end is not
+  // the pointer is inside a buffer, its end is not
   args.fits.address = fits.at(1).address;
   EXPECT_NO_THROW(recorder.dispatch(kernel, args, 1));
   args.fits.address = fits.at(2).address;
@@ -270,18 +270,18 @@ TEST(Recorder, APointerIntoNoLiveBufferIsRefused) {
   recorder.submitAndWait();
 }
 
-TEST(Recorder, WhatAnErrorInterruptedIsRecordedAnew) {
+TEST(Recorder, RecordsAgainAfterAnError) {
   const Buffer<std::uint32_t> buffer(testGpu(), std::vector<std::uint32_t>(16, 7));
   Recorder recorder(testGpu());
   recorder.begin();
   recorder.fill(buffer.raw(), 1);
-  recorder.begin();  // an error came before the submission
+  recorder.begin();  // an error interrupted the recording before the submission
   recorder.submitAndWait();
   EXPECT_TRUE(recorder.commands().empty());
   EXPECT_EQ(buffer.download(), std::vector<std::uint32_t>(16, 7));
 }
 
-// --- a frame, and what happens when a declaration is missing ---
+// --- a frame, and the effect of a missing declaration ---
 
 /// The commands of a tracked frame, from images to the pose.
 std::vector<RecordedCommand> frameCommands() {
@@ -334,7 +334,7 @@ bool conflictsWithAnother(const std::vector<RecordedCommand>& commands, std::siz
   return false;
 }
 
-TEST(Recorder, AMissingDeclarationInAFrameIsFound) {
+TEST(Recorder, DetectsAMissingDeclarationInAFrame) {
   std::vector<RecordedCommand> commands = frameCommands();
   ASSERT_GT(commands.size(), 20u);
   const std::vector<std::vector<Access>> truth = accessesOf(commands);
@@ -342,7 +342,7 @@ TEST(Recorder, AMissingDeclarationInAFrameIsFound) {
   ASSERT_TRUE(hazards(commands).empty());
 
   int matter = 0;
-  std::set<std::pair<std::string, std::size_t>> found;  // the kernel and which of its pointers
+  std::set<std::pair<std::string, std::size_t>> found;  // the kernel, and the index of its pointer
   for (std::size_t c = 0; c < commands.size(); ++c)
     for (std::size_t a = 0; a < truth[c].size(); ++a) {
       if (!conflictsWithAnother(commands, c, truth[c][a])) continue;
@@ -355,8 +355,8 @@ TEST(Recorder, AMissingDeclarationInAFrameIsFound) {
   // the others share their barrier with an access that is still declared
   EXPECT_GE(found.size(), 18u) << "of " << matter;
   const std::pair<std::string, std::size_t> must[] = {
-      {"edges", 2},             // what it writes
-      {"majority", 1},          // what it reads
+      {"edges", 2},             // its output
+      {"majority", 1},          // its input
       {"carve_tiles", 1},       // masks
       {"carve_voxels", 4},      // words
       {"distance_rows", 2},     // squares
@@ -371,7 +371,7 @@ TEST(Recorder, AMissingDeclarationInAFrameIsFound) {
     EXPECT_TRUE(found.count({name, pointer})) << name << ", pointer " << pointer;
 }
 
-TEST(Recorder, AMissingDeclarationIsFoundForEveryPairOfCommands) {
+TEST(Recorder, DetectsAMissingDeclarationForEveryPair) {
   const std::vector<RecordedCommand> frame = frameCommands();
   int pairs = 0;
   for (std::size_t i = 0; i < frame.size(); ++i)
@@ -380,7 +380,7 @@ TEST(Recorder, AMissingDeclarationIsFoundForEveryPairOfCommands) {
         for (const Access& later : frame[j].accesses) {
           if (!conflict(frame[i].accesses[a], later)) continue;
           ++pairs;
-          // only what these two do to this buffer: nothing else forces the barrier
+          // only the accesses of these two commands to this buffer: nothing else forces the barrier
           std::vector<RecordedCommand> two = {{frame[i].name, {frame[i].accesses[a]}, false},
                                               {frame[j].name, {later}, false}};
           placeBarriers(two, accessesOf(two));
@@ -408,17 +408,17 @@ void expectDeviceFault(Call&& call, const std::string& word) {
   }
 }
 
-TEST(Gpu, ADeviceThatDoesNotExistIsOneLine) {
+TEST(Gpu, UnknownDeviceIsAOneLineError) {
   for (const char* name : {"99", "99999999999999999999", "no such card"}) {
     GpuOptions options;
     options.device = name;
     expectDeviceFault([&] { Gpu gpu(options); }, name);
-    // and what there is instead
+    // and which devices exist instead
     expectDeviceFault([&] { Gpu gpu(options); }, Gpu::devices().at(0).name);
   }
 }
 
-TEST(Gpu, ADeviceIsChosenByIndexAndByPartOfItsName) {
+TEST(Gpu, SelectsDeviceByIndexOrPartOfItsName) {
   const std::vector<DeviceInfo> devices = Gpu::devices();
   for (std::size_t i = 0; i < devices.size(); ++i) {
     SCOPED_TRACE(devices[i].name);
@@ -434,7 +434,7 @@ TEST(Gpu, ADeviceIsChosenByIndexAndByPartOfItsName) {
   }
 }
 
-TEST(Gpu, AResultThatIsNoSuccessSaysWhatWasTriedAndWhatHelps) {
+TEST(Gpu, VulkanErrorsNameTheCallAndARemedy) {
   EXPECT_NO_THROW(check(VK_SUCCESS, "test"));
   expectDeviceFault([] { check(VK_ERROR_DEVICE_LOST, "wait"); },
                     "could not wait: the Vulkan device was lost");
@@ -444,7 +444,7 @@ TEST(Gpu, AResultThatIsNoSuccessSaysWhatWasTriedAndWhatHelps) {
 
 // --- buffers ---
 
-TEST(Buffer, ValuesComeBack) {
+TEST(Buffer, RoundTripsValues) {
   Gpu& gpu = testGpu();
   std::vector<std::uint32_t> values(100'003);
   std::mt19937 random(1);
@@ -463,7 +463,7 @@ TEST(Buffer, ValuesComeBack) {
   EXPECT_TRUE(empty.download().empty());
 }
 
-TEST(Buffer, LiveBuffersAreKnownByTheirAddresses) {
+TEST(Buffer, FindsLiveBuffersByAddress) {
   Gpu& gpu = testGpu();
   std::uint64_t address = 0;
   {
@@ -477,9 +477,9 @@ TEST(Buffer, LiveBuffersAreKnownByTheirAddresses) {
   EXPECT_EQ(gpu.liveBufferAt(address), 0u);
 }
 
-TEST(Buffer, AKernelThatWritesPastTheEndIsNoticed) {
+TEST(Buffer, DetectsWritesPastTheEnd) {
   Gpu& gpu = testGpu();
-  // a fit is 352 bytes; the kernel is given 320
+  // a fit has 352 bytes; the kernel gets 320
   static_assert(sizeof(GpuFit) == 352);
   const Kernel<FitChooseArgs> kernel(gpu, "fit_choose", fit_choose_comp);
   const Buffer<GpuFit> fits(gpu, 1);
@@ -533,13 +533,13 @@ TEST(Recorder, StagesAreTimedByName) {
   EXPECT_LT(stages[0].second + stages[1].second, wall_ms);
 }
 
-TEST(Recorder, GroupsCoverTheCountWithinEveryDevicesLimit) {
+TEST(Recorder, GroupsCoverTheCountWithinDeviceLimits) {
   for (const std::size_t count : {1u, 63u, 64u, 65u, 1'000'000u, 20'000'000u, 300'000'000u}) {
     const GroupRows rows = groupRowsFor(count, 64);
     EXPECT_GE(std::size_t(rows.x) * rows.y * 64, count);
     EXPECT_LE(rows.x, 65'535u);
     EXPECT_LE(rows.y, 65'535u);
-    // no more than a row's rounding too many
+    // at most one row too many, by rounding
     EXPECT_LT(std::size_t(rows.x) * rows.y, groupsFor(count, 64) + rows.y);
   }
 }

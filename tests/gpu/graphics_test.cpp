@@ -21,7 +21,7 @@ struct Pixel {
   bool operator==(const Pixel&) const = default;
 };
 
-/// Draws triangles given by corners into a canvas and reads the image back.
+/// Draws triangles into a canvas and reads the image back.
 class Drawing {
  public:
   explicit Drawing(const GraphicsOptions& options = {})
@@ -61,20 +61,20 @@ class Drawing {
   std::vector<vec4> colors_;
 };
 
-/// Covers the image from x = -1 to `right` (clip space), anticlockwise in the image.
+/// Covers the image from x = -1 to `right` (clip space), counterclockwise in the image.
 std::vector<vec3> leftPart(float right, float depth) {
   return {{-1, -1, depth}, {-1, 1, depth},    {right, 1, depth},
           {-1, -1, depth}, {right, 1, depth}, {right, -1, depth}};
 }
 
-TEST(Graphics, ATriangleCoversThePixelsInsideIt) {
+TEST(Graphics, TriangleCoversThePixelsInside) {
   Drawing drawing;
-  // corners at pixels (0, 0), (0, 48) and (64, 48): covers what lies below the image's diagonal
+  // corners at pixels (0, 0), (0, 48) and (64, 48): covers the pixels below the image's diagonal
   drawing.add({{-1, -1, 0.5f}, {-1, 1, 0.5f}, {1, 1, 0.5f}}, kGreen);
   drawing.draw();
   for (std::uint32_t y = 0; y < kHeight; ++y)
     for (std::uint32_t x = 0; x < kWidth; ++x) {
-      // the diagonal is y = 3/4 x; a pixel is whole when its corners lie on one side
+      // the diagonal is y = 3/4 x; a pixel is fully inside or outside if its corners are on one side
       const bool all_inside = 4 * y >= 3 * (x + 1), all_outside = 4 * (y + 1) <= 3 * x;
       if (all_inside) {
         EXPECT_EQ(drawing.at(x, y), (Pixel{0, 255, 0, 255})) << x << ", " << y;
@@ -97,7 +97,7 @@ TEST(Graphics, EdgesAreAveragedInLinearLight) {
   EXPECT_NEAR(half.a, 128, 1);
 }
 
-TEST(Graphics, TheNearerOneHidesTheFartherInAnyOrder) {
+TEST(Graphics, DepthTestWorksInAnyOrder) {
   for (const bool near_first : {true, false}) {
     Drawing drawing;
     const auto near = leftPart(0, 0.2f), far = leftPart(1, 0.8f);
@@ -109,7 +109,7 @@ TEST(Graphics, TheNearerOneHidesTheFartherInAnyOrder) {
   }
 }
 
-TEST(Graphics, AlphaMixesWithWhatIsBehind) {
+TEST(Graphics, AlphaBlendsWithTheBackground) {
   GraphicsOptions options;
   options.blend = Blend::kAlpha;
   Drawing drawing(options);
@@ -119,12 +119,12 @@ TEST(Graphics, AlphaMixesWithWhatIsBehind) {
   EXPECT_EQ(drawing.at(5, 5).a, 255);
 }
 
-TEST(Graphics, BackFacesAreCulledWhenAsked) {
+TEST(Graphics, CullsBackFacesOnRequest) {
   GraphicsOptions options;
   options.cull = VK_CULL_MODE_BACK_BIT;
   Drawing drawing(options);
-  drawing.add({{-1, -1, 0.5f}, {-1, 1, 0.5f}, {0, -1, 0.5f}}, kGreen);  // anticlockwise: seen
-  drawing.add({{1, -1, 0.5f}, {1, 1, 0.5f}, {0, -1, 0.5f}}, kRed);      // clockwise: not
+  drawing.add({{-1, -1, 0.5f}, {-1, 1, 0.5f}, {0, -1, 0.5f}}, kGreen);  // counterclockwise: visible
+  drawing.add({{1, -1, 0.5f}, {1, 1, 0.5f}, {0, -1, 0.5f}}, kRed);      // clockwise: culled
   drawing.draw();
   EXPECT_EQ(drawing.at(2, 2), (Pixel{0, 255, 0, 255}));
   EXPECT_EQ(drawing.at(61, 2), (Pixel{0, 0, 0, 255}));
@@ -139,7 +139,7 @@ TEST(Graphics, ConstantsSpecializeTheShaders) {
   EXPECT_EQ(drawing.at(5, 5), (Pixel{255, 0, 0, 255}));
 }
 
-TEST(Graphics, ADepthPassWithoutColourGivesDepths) {
+TEST(Graphics, DepthPassWritesDepth) {
   Gpu& gpu = testGpu();
   GraphicsOptions options;
   options.has_color = false;
@@ -158,7 +158,7 @@ TEST(Graphics, ADepthPassWithoutColourGivesDepths) {
   EXPECT_EQ(depths.host()[5 * kWidth + 60], 1.0f);
 }
 
-TEST(Graphics, ADepthOnlyDrawHidesWithoutColour) {
+TEST(Graphics, DepthOnlyDrawOccludes) {
   Gpu& gpu = testGpu();
   GraphicsOptions options;
   options.blend = Blend::kDepthOnly;
@@ -178,11 +178,11 @@ TEST(Graphics, ADepthOnlyDrawHidesWithoutColour) {
   EXPECT_EQ(image.host()[10 * kWidth + 60], 0xFF00FF00u);
 }
 
-TEST(Graphics, CountsMayComeFromTheDevice) {
+TEST(Graphics, SupportsIndirectCounts) {
   Gpu& gpu = testGpu();
   const GraphicsPipeline<TrianglesArgs> pipeline(gpu, "triangles", {triangles_vert, triangles_frag});
   Canvas canvas(gpu, kWidth, kHeight);
-  const Buffer<vec3> corners(gpu, leftPart(1, 0.5f));  // two triangles, of which one is asked for
+  const Buffer<vec3> corners(gpu, leftPart(1, 0.5f));  // two triangles, of which one is drawn
   Buffer<std::uint32_t> counts(gpu, 4), image(gpu, kWidth * kHeight, Memory::kHost);
   Recorder recorder(gpu);
   recorder.begin();
@@ -198,7 +198,7 @@ TEST(Graphics, CountsMayComeFromTheDevice) {
   EXPECT_EQ(image.host()[5 * kWidth + 60], 0xFF000000u);
 }
 
-TEST(Graphics, IndicesNameTheCorners) {
+TEST(Graphics, SupportsIndices) {
   Gpu& gpu = testGpu();
   const GraphicsPipeline<TrianglesArgs> pipeline(gpu, "triangles", {triangles_vert, triangles_frag});
   Canvas canvas(gpu, kWidth, kHeight);
@@ -217,7 +217,7 @@ TEST(Graphics, IndicesNameTheCorners) {
   EXPECT_EQ(std::count(image.host().begin(), image.host().end(), 0xFF00FF00u), kWidth * kHeight);
 }
 
-TEST(Graphics, ADrawWaitsForTheKernelThatFillsItsBuffer) {
+TEST(Graphics, DrawWaitsForTheKernelThatWritesItsBuffer) {
   Gpu& gpu = testGpu();
   const GraphicsPipeline<TrianglesArgs> pipeline(gpu, "triangles", {triangles_vert, triangles_frag});
   Canvas canvas(gpu, kWidth, kHeight);
@@ -234,7 +234,7 @@ TEST(Graphics, ADrawWaitsForTheKernelThatFillsItsBuffer) {
   EXPECT_TRUE(recorder.commands()[2].barrier_before);
 }
 
-TEST(Graphics, AScreensImageHasBlueFirstAndIsCopiedWhole) {
+TEST(Graphics, ScreenImageIsBgraAndCopiedCompletely) {
   Gpu& gpu = testGpu();
   GraphicsOptions options;
   options.color_kind = ImageKind::kScreen;
@@ -258,7 +258,7 @@ TEST(Graphics, AScreensImageHasBlueFirstAndIsCopiedWhole) {
       ASSERT_EQ(words.host()[y * kWidth + x], x < kWidth / 2 ? 0xFFFF0000u : 0xFF000000u) << x << ", " << y;
 }
 
-TEST(Graphics, WhatCannotBeDrawnIsRefused) {
+TEST(Graphics, RejectsInvalidDraws) {
   Gpu& gpu = testGpu();
   EXPECT_THROW(Image(gpu, ImageKind::kColor, 0, 10), Error);
   EXPECT_THROW(Image(gpu, ImageKind::kColor, 10, 1u << 30), Error);

@@ -16,7 +16,7 @@ VoxelGrid carve(const Rig& rig, const std::vector<Mask>& masks, int voxels, Hull
   gpu_rig.pack(masks, packed.host());
   Carver carver(gpu, gpu_rig, voxels);
   Recorder recorder(gpu);
-  // twice: nothing of the first frame may show in the second
+  // twice: the first frame must not affect the second
   for (int frame = 0; frame < 2; ++frame) {
     recorder.begin();
     recorder.stage("carve");
@@ -28,7 +28,7 @@ VoxelGrid carve(const Rig& rig, const std::vector<Mask>& masks, int voxels, Hull
   return carver.download();
 }
 
-/// Equal but for edge voxels; returns how many are occupied.
+/// Equal except for edge voxels; returns the number of occupied ones.
 std::size_t expectEqual(const Rig& rig, const std::vector<Mask>& masks, int voxels) {
   const VoxelGrid expected = carveReference(rig, masks, voxels);
   const VoxelGrid carved = carve(rig, masks, voxels);
@@ -53,10 +53,10 @@ TEST(Carve, EqualsTheReferenceForEveryVoxelCount) {
   }
 }
 
-TEST(Carve, AnAbsentCameraHasNoSay) {
+TEST(Carve, IgnoresMissingCameras) {
   const Rig rig = ringRig(4);
   std::vector<Mask> masks = sphereMasks(rig, Vec3(0.05, -0.03, 0.02), 0.09);
-  std::fill(masks[1].pixels.begin(), masks[1].pixels.end(), std::uint8_t(0));  // it would empty the cube
+  std::fill(masks[1].pixels.begin(), masks[1].pixels.end(), std::uint8_t(0));  // would empty the workspace
   Rig others = rig;
   others.cameras.erase(others.cameras.begin() + 1);
   std::vector<Mask> their_masks = masks;
@@ -64,12 +64,12 @@ TEST(Carve, AnAbsentCameraHasNoSay) {
   const VoxelGrid expected = carve(others, their_masks, 64);
   EXPECT_EQ(carve(rig, masks, 64, nullptr, 1u << 1).occupied, expected.occupied);
   EXPECT_GT(std::count(expected.occupied.begin(), expected.occupied.end(), 1), 0);
-  // three of four absent: nothing is seen by two
+  // three of four missing: no voxel is seen by two cameras
   const VoxelGrid alone = carve(rig, masks, 64, nullptr, 0b1011);
   EXPECT_EQ(std::count(alone.occupied.begin(), alone.occupied.end(), 0), 64 * 64 * 64);
 }
 
-TEST(Carve, ASphereIsInsideItsHullAndTheHullIsTight) {
+TEST(Carve, SphereHullIsTight) {
   const Rig rig = ringRig(8, 640, 480);
   const Vec3 center(0.05, -0.03, 0.02);
   const double radius_m = 0.09;
@@ -100,12 +100,12 @@ TEST(Carve, ASphereIsInsideItsHullAndTheHullIsTight) {
   EXPECT_LT(volume, 1.15 * sphere);
 }
 
-TEST(Carve, AHullThatFillsTheCubeIsFull) {
+TEST(Carve, FullMasksFillTheWorkspace) {
   const Rig rig = ringRig(4, 640, 480);
   std::vector<Mask> masks = sphereMasks(rig, Vec3::Zero(), 10);
   for (Mask& mask : masks) std::fill(mask.pixels.begin(), mask.pixels.end(), 255);
   expectEqual(rig, masks, 64);
-  // the sums of so many indices pass 32 bits
+  // the sums of so many indices exceed 32 bits
   for (const int voxels : {256, 512}) {
     SCOPED_TRACE(voxels);
     HullStats counted;
@@ -117,7 +117,7 @@ TEST(Carve, AHullThatFillsTheCubeIsFull) {
   }
 }
 
-TEST(Carve, EmptyMasksGiveNothing) {
+TEST(Carve, EmptyMasksGiveAnEmptyHull) {
   const Rig rig = ringRig(4);
   std::vector<Mask> masks = sphereMasks(rig, Vec3(10, 10, 10), 0.01);
   HullStats counted;
@@ -126,24 +126,24 @@ TEST(Carve, EmptyMasksGiveNothing) {
   expectEqual(rig, masks, 64);
 }
 
-TEST(Carve, ACameraThatDoesNotSeeAVoxelHasNoSay) {
-  // a fifth camera, close by, sees a corner of the cube only
+TEST(Carve, IgnoresCamerasThatDoNotSeeAVoxel) {
+  // a fifth camera, close by, sees only a corner of the workspace
   Rig rig = ringRig(5);
   rig.cameras[4].lens.fx *= 6;
   rig.cameras[4].lens.fy *= 6;
   expectEqual(rig, sphereMasks(rig, Vec3(0.12, 0.1, -0.05), 0.1), 64);
 }
 
-TEST(Carve, FewerThanTwoViewsAreEmpty) {
+TEST(Carve, FewerThanTwoViewsGiveAnEmptyHull) {
   Rig rig = ringRig(2);
   rig.cameras[1].camera_from_world.linear() =
       Eigen::AngleAxisd(M_PI, Vec3::UnitY()) * rig.cameras[1].camera_from_world.linear();
-  rig.cameras[1].camera_from_world.translation() = Vec3(0, 0, -1);  // the cube is behind it
+  rig.cameras[1].camera_from_world.translation() = Vec3(0, 0, -1);  // the workspace is behind it
   std::vector<Mask> masks = sphereMasks(rig, Vec3::Zero(), 0.1);
   EXPECT_EQ(expectEqual(rig, masks, 64), 0u);
 }
 
-TEST(Carve, FisheyeAndRationalLensesAndAnyScale) {
+TEST(Carve, SupportsFisheyeAndRationalLensesAtAnyScale) {
   Rig rig = ringRig(4);
   rig.cameras[0].lens.model = LensModel::kFisheye;
   rig.cameras[0].lens.distortion = {0.05, -0.02, 0.003, -0.001, 0, 0, 0, 0};
@@ -159,7 +159,7 @@ TEST(Carve, FisheyeAndRationalLensesAndAnyScale) {
   EXPECT_GT(expectEqual(rig, sphereMasks(rig, scale * Vec3(0.05, -0.03, 0.02), scale * 0.09), 96), 0u);
 }
 
-TEST(Carve, VoxelCountsOutOfRangeAreRefused) {
+TEST(Carve, RejectsInvalidVoxelCount) {
   EXPECT_THROW(checkVoxels(0), Error);
   EXPECT_THROW(checkVoxels(1'000'000'000), Error);
   EXPECT_THROW(checkVoxels(-5), Error);

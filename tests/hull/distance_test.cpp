@@ -12,7 +12,7 @@
 namespace airclay {
 namespace {
 
-/// A carved model and its distances by the kernels.
+/// A carved model and its distances from the kernels.
 struct Field {
   GpuRig rig;
   Carver carver;
@@ -50,7 +50,7 @@ std::vector<Mask> fullMasks(const Rig& rig) {
   return masks;
 }
 
-/// Images with random holes: a model of cones that cross, with every kind of corner.
+/// Images with random holes: a model of intersecting cones, with every kind of corner.
 std::vector<Mask> masksWithHoles(const Rig& rig, unsigned seed) {
   std::mt19937 random(seed);
   const auto below = [&](int limit) { return int(random() % unsigned(limit)); };
@@ -66,7 +66,7 @@ std::vector<Mask> masksWithHoles(const Rig& rig, unsigned seed) {
   return masks;
 }
 
-/// The kernels against the reference: the same whole numbers under the root, and a float's rounding.
+/// The kernels compared with the reference: equal squared integer distances, and a float's rounding.
 void expectReference(Field& field, const FieldGrid& grid) {
   const std::vector<float> found = field.distances(grid);
   const std::vector<double> expected = distanceReference(field.model, grid);
@@ -81,7 +81,7 @@ void expectReference(Field& field, const FieldGrid& grid) {
   EXPECT_GT(found.size() - inside, 300u);
 }
 
-TEST(Distance, EqualsTheReferenceWhereverTheBoxLies) {
+TEST(Distance, EqualsTheReferenceForAnyBox) {
   const Rig rig = ringRig(4);
   for (const int voxels : {128, 101, 50}) {
     SCOPED_TRACE(std::to_string(voxels) + " voxels");
@@ -100,7 +100,7 @@ TEST(Distance, EqualsTheReferenceWhereverTheBoxLies) {
   }
 }
 
-TEST(Distance, TheBoxHoldsWhatIsAskedForInCellsOfItsStride) {
+TEST(Distance, BoxContainsTheRequestedRegion) {
   const Rig rig = ringRig(4);
   const Field field(rig, fullMasks(rig), 128);
   std::mt19937 random(9);
@@ -114,22 +114,22 @@ TEST(Distance, TheBoxHoldsWhatIsAskedForInCellsOfItsStride) {
       EXPECT_LE(grid.place.size[k], kFieldCells);
       EXPECT_LE(grid.low[k], center[k] - half[k] + grid.cell_m);
       EXPECT_GE(grid.low[k] + grid.cell_m * (grid.place.size[k] - 1), center[k] + half[k] - grid.cell_m);
-      // the cell's middle is the centre of the voxel that stands for it
+      // the cell's centre is the centre of the voxel that represents it
       const int voxel = grid.place.low[k] + int(grid.place.stride / 2);
       EXPECT_NEAR(grid.low[k], (voxel + 0.5 - 64) * field.carver.voxelMetres(), 1e-12);
     }
   }
 }
 
-TEST(Distance, OfAFullCubeIsThatOfABox) {
+TEST(Distance, FullCubeEqualsBoxDistance) {
   constexpr int voxels = 64;
-  const Rig rig = demoRig();  // it sees the whole cube
+  const Rig rig = demoRig();  // it sees the whole workspace
   Field field(rig, fullMasks(rig), voxels);
-  // round a corner of the cube
+  // around a corner of the workspace
   const FieldGrid grid = field.place(Vec3(-0.3, 0.3, -0.3), Vec3::Constant(0.24));
   ASSERT_EQ(grid.place.stride, 1u);
   const std::vector<float> distances = field.distances(grid);
-  // cells nearer to the box's own border may have their nearest cell outside of it
+  // cells closer to the box's border may have their nearest cell outside the box
   const int border = kFieldReach;
   int outside = 0, inside = 0;
   for (int z = border; z < int(grid.place.size[2]) - border; ++z)
@@ -152,7 +152,7 @@ TEST(Distance, OfAFullCubeIsThatOfABox) {
   EXPECT_GT(inside, 1000);
 }
 
-TEST(Distance, OfASphereIsTheDistanceToItsCentreLessItsRadius) {
+TEST(Distance, SphereEqualsCentreDistanceMinusRadius) {
   const Rig rig = ringRig(8, 640, 480);
   const Vec3 center(0.05, -0.03, 0.02);
   const double radius_m = 0.09;
@@ -172,8 +172,8 @@ TEST(Distance, OfASphereIsTheDistanceToItsCentreLessItsRadius) {
           EXPECT_LT(found, 0);
         }
         if (to_center < radius_m) continue;
-        // the hull holds the sphere, and its corners stick out by at most a quarter of the radius
-        // (carve_test); a voxel's diagonal is what rounding can do
+        // the hull contains the sphere, and its corners protrude by at most a quarter of the radius
+        // (carve_test); rounding adds at most a voxel's diagonal
         EXPECT_LT(found, to_center - radius_m + 0.9 * grid.cell_m);
         EXPECT_GT(found, to_center - 1.25 * radius_m - 0.9 * grid.cell_m);
         sum += found - (to_center - radius_m);
@@ -184,7 +184,7 @@ TEST(Distance, OfASphereIsTheDistanceToItsCentreLessItsRadius) {
   EXPECT_LT(std::abs(sum / count), 0.005);
 }
 
-/// Distances in cells, within a slice, to the nearest cell that is `kind`, by OpenCV; far away when the slice
+/// Distances in cells, within a slice, to the nearest cell that is `kind`, by OpenCV; very large if the slice
 /// has none.
 std::vector<cv::Mat> sliceDistances(const VoxelGrid& model, const FieldGrid& grid, bool kind) {
   std::vector<cv::Mat> slices;
@@ -202,7 +202,7 @@ std::vector<cv::Mat> sliceDistances(const VoxelGrid& model, const FieldGrid& gri
   return slices;
 }
 
-TEST(Distance, EqualsOpenCvsSliceBySlice) {
+TEST(Distance, SlicesEqualOpenCv) {
   const Rig rig = ringRig(4);
   Field field(rig, masksWithHoles(rig, 6), 128);
   const FieldGrid grid = field.place(Vec3(0.02, -0.03, 0), Vec3(0.12, 0.1, 0.08));
@@ -214,7 +214,7 @@ TEST(Distance, EqualsOpenCvsSliceBySlice) {
   for (int z = 0; z < size_z; ++z)
     for (int y = 0; y < int(grid.place.size[1]); ++y)
       for (int x = 0; x < int(grid.place.size[0]); ++x) {
-        // across the slices by Pythagoras
+        // Pythagoras across the slices
         double full = 1e12, empty = 1e12;
         for (int w = 0; w < size_z; ++w) {
           full = std::min(full, std::pow(to_full[std::size_t(w)].at<float>(y, x), 2) + (w - z) * (w - z));
@@ -227,7 +227,7 @@ TEST(Distance, EqualsOpenCvsSliceBySlice) {
       }
 }
 
-TEST(Distance, InterpolationIsLinearBetweenCellsAndTheBordersValueOutside) {
+TEST(Distance, InterpolatesLinearlyAndClampsOutside) {
   FieldGrid grid;
   for (std::uint32_t& size : grid.place.size) size = 16;
   grid.cell_m = 0.005;
@@ -244,7 +244,7 @@ TEST(Distance, InterpolationIsLinearBetweenCellsAndTheBordersValueOutside) {
   for (int i = 0; i < 200; ++i) {
     const Vec3 point = grid.low + Vec3(place(random), place(random), place(random));
     const Vec3 within = point.cwiseMax(grid.low).cwiseMin(high);
-    // the border lies a thousandth of a cell before the last cell
+    // the border is a thousandth of a cell before the last cell
     EXPECT_NEAR(fieldDistance(field, grid, point), slope.dot(within),
                 1.001e-3 * grid.cell_m * slope.lpNorm<1>());
   }

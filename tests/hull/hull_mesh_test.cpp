@@ -12,7 +12,7 @@ namespace {
 
 /// Every edge has one triangle on each side.
 void expectClosed(const TriangleMesh& mesh) {
-  std::map<std::pair<int, int>, int> sides;  // from, to: how many triangles run along it that way
+  std::map<std::pair<int, int>, int> sides;  // from, to: number of triangles along the edge in that direction
   for (const auto& [a, b, c] : mesh.triangles)
     for (const auto& edge : {std::pair(a, b), std::pair(b, c), std::pair(c, a)}) ++sides[edge];
   std::size_t unpaired = 0;
@@ -28,7 +28,7 @@ double voxelVolume(const VoxelGrid& grid, const Workspace& workspace) {
   return std::pow(voxel_m, 3) * static_cast<double>(hullStats(grid, workspace).occupied);
 }
 
-TEST(HullMesh, HasTheVolumeAndPlaceOfTheVoxels) {
+TEST(HullMesh, HasTheVolumeAndPositionOfTheVoxels) {
   Rig rig = ringRig(6);
   rig.workspace = {Vec3(0.02, 0.01, -0.015), 0.5};
   const VoxelGrid grid = carve(testGpu(), rig, sphereMasks(rig, Vec3(0.05, -0.03, 0.02), 0.09), 96);
@@ -51,7 +51,7 @@ TEST(HullMesh, CarveEqualsTheReference) {
   EXPECT_GT(hullStats(carved, rig.workspace).occupied, 1000u);
 }
 
-TEST(HullMesh, AHullThatFillsTheWorkspaceIsClosed) {
+TEST(HullMesh, FullWorkspaceGivesAClosedMesh) {
   const VoxelGrid full{32, std::vector<std::uint8_t>(32 * 32 * 32, 1)};
   const Workspace workspace{Vec3(1, 2, 3), 0.32};
   const TriangleMesh mesh = hullMesh(full, workspace);
@@ -60,7 +60,7 @@ TEST(HullMesh, AHullThatFillsTheWorkspaceIsClosed) {
   EXPECT_LT((massProperties(mesh).centroid - workspace.center).norm(), 1e-3);
 }
 
-TEST(HullMesh, NoVoxelGivesNoTriangle) {
+TEST(HullMesh, EmptyHullGivesAnEmptyMesh) {
   const TriangleMesh mesh = hullMesh({32, std::vector<std::uint8_t>(32 * 32 * 32)}, {});
   EXPECT_TRUE(mesh.vertices.empty());
   EXPECT_TRUE(mesh.triangles.empty());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Images against what geometry says must be in them: areas, places, counts, order, light and shade.
+// Images compared with geometry: areas, positions, counts, order, light and shadow.
 #include "engine/render/renderer.h"
 
 #include <cmath>
@@ -42,7 +42,7 @@ class Painting {
   }
   const std::vector<std::uint32_t>& pixels() const { return pixels_; }
   const Renderer& renderer() const { return renderer_; }
-  /// Commands of the last image.
+  /// Number of commands in the last image.
   std::size_t commands() const { return recorder_.commands().size(); }
 
  private:
@@ -51,7 +51,7 @@ class Painting {
   std::vector<std::uint32_t> pixels_;
 };
 
-/// Pixels that differ.
+/// Number of different pixels.
 int differing(const std::vector<std::uint32_t>& a, const std::vector<std::uint32_t>& b) {
   int count = 0;
   for (std::size_t i = 0; i < a.size(); ++i) count += a[i] != b[i];
@@ -75,7 +75,7 @@ TriangleMesh sphere(const Vec3& center, double radius_m) {
   return mesh;
 }
 
-/// A level square facing up, finely divided: light is found per vertex.
+/// A horizontal square facing up, finely divided, because light is computed per vertex.
 TriangleMesh plate(double half_m, double z_m) {
   constexpr int kCells = 80;
   TriangleMesh mesh;
@@ -102,7 +102,7 @@ View fromTheFront(double distance_m) {
   return lookAt(Vec3(0, -distance_m, 0), Vec3::Zero());
 }
 
-TEST(Renderer, ASpheresSilhouetteHasTheAreaOfItsCone) {
+TEST(Renderer, SphereSilhouetteHasTheConeArea) {
   const double radius_m = 0.1, distance_m = 0.6;
   const RenderMesh ball(testGpu(), sphere(Vec3::Zero(), radius_m));
   Scene scene;
@@ -111,13 +111,13 @@ TEST(Renderer, ASpheresSilhouetteHasTheAreaOfItsCone) {
   const std::vector<std::uint32_t> empty = painting.paint(scene, view).pixels();
   scene.meshes.push_back(solid(ball));
   painting.paint(scene, view);
-  // the cone that touches the sphere has the half angle asin(r / d)
+  // the cone tangent to the sphere has the half angle asin(r / d)
   const double focal = 400 / std::tan(0.5 * view.vertical_fov_rad);
   const double radius_px = focal * std::tan(std::asin(radius_m / distance_m));
   EXPECT_NEAR(differing(painting.pixels(), empty) / (M_PI * radius_px * radius_px), 1, 0.003);
 }
 
-TEST(Renderer, ACamerasViewShowsPointsWhereTheCameraProjectsThem) {
+TEST(Renderer, CameraViewMatchesTheProjection) {
   Rig rig = ringRig(4, kWidth, kHeight);
   rig.workspace.center = Vec3(0.03, -0.02, 0.05);
   for (Camera& camera : rig.cameras) {
@@ -150,7 +150,7 @@ TEST(Renderer, ACamerasViewShowsPointsWhereTheCameraProjectsThem) {
   }
 }
 
-TEST(Renderer, ClayInShadowIsDarker) {
+TEST(Renderer, ShadowedClayIsDarker) {
   const RenderMesh ground(testGpu(), plate(0.25, -0.1)), ball(testGpu(), sphere(Vec3(0, 0, 0.08), 0.05));
   Scene scene;
   scene.meshes.push_back(solid(ground));
@@ -171,7 +171,7 @@ TEST(Renderer, ClayInShadowIsDarker) {
   EXPECT_GT(same, 15000);
 }
 
-TEST(Renderer, TheNearerSurfaceHidesTheFartherInAnyOrder) {
+TEST(Renderer, NearerSurfaceHidesTheFarther) {
   const RenderMesh near(testGpu(), sphere(Vec3(0, -0.15, 0), 0.05)),
       far(testGpu(), sphere(Vec3(0, 0.1, 0), 0.12));
   const vec3 red(0.6f, 0.02f, 0.02f), green(0.02f, 0.6f, 0.02f);
@@ -194,7 +194,7 @@ TEST(Renderer, TheNearerSurfaceHidesTheFartherInAnyOrder) {
   }
 }
 
-TEST(Renderer, TheClayIsSeenThroughTheHand) {
+TEST(Renderer, ClayIsVisibleThroughTheHand) {
   const RenderMesh clay(testGpu(), sphere(Vec3(0, 0.1, 0), 0.12));
   const RenderMesh skin = RenderMesh::withDistances(testGpu(), sphere(Vec3(0, -0.15, 0), 0.05));
   const auto middle = [&](const vec3& albedo, double opacity) {
@@ -211,12 +211,12 @@ TEST(Renderer, TheClayIsSeenThroughTheHand) {
   const Pixel before_red = middle(red, 0.4), before_green = middle(green, 0.4);
   EXPECT_GT(before_red.r, before_green.r + 20);
   EXPECT_LT(before_red.g, before_green.g - 20);
-  // the hand is there, too
+  // the hand is visible, too
   EXPECT_GT(before_green.r, 60);
   EXPECT_EQ(middle(red, 1), middle(green, 1));
 }
 
-TEST(Renderer, AsManyVoxelsAreDrawnAsTheSurfaceHas) {
+TEST(Renderer, DrawsEverySurfaceVoxel) {
   const Rig rig = ringRig(5);
   const GpuRig gpu_rig(testGpu(), rig);
   for (const int voxels : {40, 64}) {
@@ -249,7 +249,7 @@ TEST(Renderer, AsManyVoxelsAreDrawnAsTheSurfaceHas) {
   }
 }
 
-/// Clay, hand, ground, strokes and capsules all together.
+/// Clay, hand, ground, strokes and capsules together.
 struct Everything {
   RenderMesh clay{testGpu(), sphere(Vec3(0, 0, 0), 0.09)};
   HandModel hand = builtInHand(false);
@@ -270,7 +270,7 @@ struct Everything {
   }
 };
 
-TEST(Renderer, TheSameSceneGivesTheSameImageAndAnotherPoseAnother) {
+TEST(Renderer, EqualScenesGiveEqualImages) {
   const Everything everything;
   Pose pose = Pose::Identity();
   pose.translation() = Vec3(0.05, -0.1, 0.1);
@@ -290,7 +290,7 @@ TEST(Renderer, TheSameSceneGivesTheSameImageAndAnotherPoseAnother) {
   }
 }
 
-TEST(Renderer, ANearHandDarkensTheClayThatItFaces) {
+TEST(Renderer, NearHandDarkensFacingClay) {
   const RenderMesh clay(testGpu(), plate(0.25, 0));
   const TriangleMesh ball = sphere(Vec3::Zero(), 0.04);
   const RenderMesh skin = RenderMesh::withDistances(testGpu(), ball);
@@ -312,7 +312,7 @@ TEST(Renderer, ANearHandDarkensTheClayThatItFaces) {
   EXPECT_LT(near, far - 10);
 }
 
-TEST(Renderer, ClayIsWarmWhereTheHandTouchesItAndNowhereElse) {
+TEST(Renderer, ClayIsWarmOnlyAtTheContact) {
   constexpr double kRadius = 0.04;
   const RenderMesh clay(testGpu(), plate(0.25, 0));
   const RenderMesh skin = RenderMesh::withDistances(testGpu(), sphere(Vec3::Zero(), kRadius));
@@ -338,15 +338,15 @@ TEST(Renderer, ClayIsWarmWhereTheHandTouchesItAndNowhereElse) {
     return double(pixel.r) / std::max(pixel.b, 1);
   };
   const double untinted = tint(kRadius, 0, false);
-  EXPECT_GT(tint(kRadius, 0, true), 1.5 * untinted);                           // the ball lies on the plate
-  EXPECT_GT(tint(kRadius - 0.01, 0, true), 1.5 * untinted);                    // and in it, 1 cm deep
+  EXPECT_GT(tint(kRadius, 0, true), 1.5 * untinted);                           // the ball touches the plate
+  EXPECT_GT(tint(kRadius - 0.01, 0, true), 1.5 * untinted);                    // and penetrates it by 1 cm
   EXPECT_GT(tint(kRadius, 0.012, true), 1.2 * untinted);                       // 1.8 mm away
   EXPECT_NEAR(tint(kRadius, 0.030, true), tint(kRadius, 0.030, false), 0.01);  // 10 mm
   EXPECT_NEAR(tint(kRadius + 0.02, 0, true), tint(kRadius + 0.02, 0, false), 0.01);
   EXPECT_NEAR(tint(kRadius + 0.005, 0, true), tint(kRadius + 0.005, 0, false), 0.02);
 }
 
-TEST(Renderer, TheDisplaySurfaceIsTheSubdivisionOfTheCageFurtherOn) {
+TEST(Renderer, DisplaySurfaceIsAFurtherSubdivision) {
   const PolygonMesh cage = presetCage("tube");
   Workspace workspace;
   workspace.center = Vec3(0.1, 0.2, -0.3);
@@ -363,7 +363,7 @@ TEST(Renderer, TheDisplaySurfaceIsTheSubdivisionOfTheCageFurtherOn) {
   EXPECT_EQ(coarse.surface().positions->count(), 364u);
 }
 
-TEST(Renderer, ACoarserDisplaySurfaceIsASubdivisionOfFewerSteps) {
+TEST(Renderer, CoarserDisplaySurfaceHasFewerLevels) {
   const PolygonMesh cage = presetCage("tube");  // 28, 98, 364, 1400 points
   DisplayDetail detail;
   detail.coarsen_above_points = 500;
@@ -374,7 +374,7 @@ TEST(Renderer, ACoarserDisplaySurfaceIsASubdivisionOfFewerSteps) {
   EXPECT_EQ(coarsest.surface().positions->count(), 98u);
 }
 
-TEST(Renderer, TheBackdropIsTheSameDrawnOrCopied) {
+TEST(Renderer, DrawnAndCopiedBackdropsAreEqual) {
   // with samples it is drawn in each image, without them once and then copied
   Painting drawn({.width = kWidth, .height = kHeight, .multisample = true}), copied;
   for (const int grey : {236, 236, 120}) {
@@ -386,7 +386,7 @@ TEST(Renderer, TheBackdropIsTheSameDrawnOrCopied) {
   }
 }
 
-TEST(Renderer, AImageInPiecesIsTheSameImage) {
+TEST(Renderer, TiledRenderingGivesTheSameImage) {
   const RenderMesh ball(testGpu(), sphere(Vec3(0.02, 0, 0), 0.1)), floor(testGpu(), plate(0.2, -0.12));
   const RenderMesh skin = RenderMesh::withDistances(testGpu(), sphere(Vec3(0, -0.1, 0.05), 0.04));
   Scene scene;
@@ -405,7 +405,7 @@ TEST(Renderer, AImageInPiecesIsTheSameImage) {
   }
 }
 
-TEST(Renderer, GroundIsSeenWhereAShadowLiesOnIt) {
+TEST(Renderer, GroundIsVisibleInShadow) {
   const RenderMesh ball(testGpu(), sphere(Vec3(0, 0, 0.05), 0.05));
   const auto image = [&](bool has_ground, bool has_ball) {
     Scene scene;
@@ -414,14 +414,14 @@ TEST(Renderer, GroundIsSeenWhereAShadowLiesOnIt) {
     Painting painting;
     return painting.paint(scene, lookAt(Vec3(0, -0.9, 0.5), Vec3::Zero())).pixels();
   };
-  EXPECT_EQ(differing(image(true, false), image(false, false)), 0);  // all light: the backdrop itself
-  // the key light's shadow of the ball: a disc of 5 cm at 0.9 m or more covers some hundred pixels at least
+  EXPECT_EQ(differing(image(true, false), image(false, false)), 0);  // no shadow: only the backdrop
+  // the key light's shadow of the ball: a disc of 5 cm at 0.9 m or more covers at least some hundred pixels
   const int shaded = differing(image(true, true), image(false, true));
   EXPECT_GT(shaded, 300);
   EXPECT_LT(shaded, kWidth * kHeight / 2);
 }
 
-TEST(Renderer, ImagesOfAnImpossibleSizeAreRefused) {
+TEST(Renderer, RejectsInvalidImageSize) {
   EXPECT_THROW(Renderer(testGpu(), {.width = 0, .height = 10}), Error);
   EXPECT_THROW(Renderer(testGpu(), {.width = 10, .height = 5000}), Error);
   EXPECT_NO_THROW(Renderer(testGpu(), {.width = 1, .height = 1}));

@@ -13,7 +13,7 @@
 namespace airclay {
 namespace {
 
-/// A mottled backdrop with Gaussian noise; a disc of skin colour, a shadow, speckle and pinholes, as asked.
+/// A mottled backdrop with Gaussian noise; optionally a disc of skin colour, a shadow, speckle and pinholes.
 struct Studio {
   explicit Studio(int image_width, int image_height) : rig(ringRig(2, image_width, image_height)) {}
 
@@ -44,7 +44,7 @@ struct Studio {
 using Shots = std::vector<std::vector<std::uint8_t>>;
 constexpr int kEmptyFrames = 8;
 
-/// What is left of images in a video, by OpenCV's own quality.
+/// Images after video compression with OpenCV's default quality.
 Shots throughVideo(const Shots& images, cv::Size size, const char* form) {
   const TemporaryFolder folder;
   cv::VideoWriter writer(folder / "video.avi", cv::CAP_FFMPEG,
@@ -67,7 +67,7 @@ struct Segmented {
   std::vector<std::vector<std::uint8_t>> images;
 };
 
-/// Of all cameras, with one image that is not empty.
+/// For all cameras, with one image that is not empty.
 std::vector<Shots> shoot(Studio& studio, bool hand, double brightness = 1) {
   std::vector<Shots> shots(studio.rig.cameras.size());
   for (int frame = 0; frame <= kEmptyFrames; ++frame)
@@ -77,7 +77,7 @@ std::vector<Shots> shoot(Studio& studio, bool hand, double brightness = 1) {
   return shots;
 }
 
-/// The last of the shots; the first kEmptyFrames are learned.
+/// The last image; the first kEmptyFrames teach the background.
 Segmented segment(const Rig& cameras, const std::vector<Shots>& shots) {
   Gpu& gpu = testGpu();
   const GpuRig rig(gpu, cameras);
@@ -121,8 +121,8 @@ long pixelsSet(const Mask& mask) {
   return std::count(mask.pixels.begin(), mask.pixels.end(), 255);
 }
 
-TEST(Silhouette, SegmentationEqualsTheReferenceAwayFromItsThresholds) {
-  // 203 pixels: rows do not start at whole words
+TEST(Silhouette, SegmentationEqualsTheReference) {
+  // 203 pixels: rows do not start at whole 32-bit words
   for (const int width : {320, 203}) {
     Studio studio(width, 240);
     const Segmented result = segment(studio, true);
@@ -131,7 +131,7 @@ TEST(Silhouette, SegmentationEqualsTheReferenceAwayFromItsThresholds) {
       std::vector<char> exempt(scores.size());
       for (std::size_t i = 0; i < scores.size(); ++i) {
         const Vec3 seen(result.images[c][3 * i], result.images[c][3 * i + 1], result.images[c][3 * i + 2]);
-        // the model is stored in whole grey levels and eighths of spread
+        // the model stores integer grey levels and eighths of the deviation
         const BackgroundPixel& background = result.background[c][i];
         BackgroundPixel stored;
         for (int k = 0; k < 3; ++k) stored.mean[k] = std::floor(background.mean[k] + 0.5);
@@ -139,7 +139,7 @@ TEST(Silhouette, SegmentationEqualsTheReferenceAwayFromItsThresholds) {
         scores[i] = scoreReference(seen, stored);
         for (const double level : {1, 2, 4, 8})
           if (std::abs(scores[i] - level) < 1e-4 * level) {
-            // a level taken the other way shows up to two pixels away
+            // a different decision at a threshold affects up to two pixels
             const int x = static_cast<int>(i) % width, y = static_cast<int>(i) / width;
             for (int v = std::max(y - 2, 0); v <= std::min(y + 2, 239); ++v)
               for (int u = std::max(x - 2, 0); u <= std::min(x + 2, width - 1); ++u)
@@ -185,7 +185,7 @@ TEST(Silhouette, LargestPartEqualsOpenCv) {
   }
 }
 
-TEST(Silhouette, TheDiscIsFoundWithoutItsShadowWholeAndAlone) {
+TEST(Silhouette, FindsTheDiscWithoutItsShadow) {
   for (const double brightness : {1.0, 0.92, 1.08}) {
     Studio studio(320, 240);
     const Segmented result = segment(studio, true, brightness);
@@ -202,7 +202,7 @@ TEST(Silhouette, TheDiscIsFoundWithoutItsShadowWholeAndAlone) {
   }
 }
 
-TEST(Silhouette, VideoCodingWidensItsEdgeByLessThanHalfAPixel) {
+TEST(Silhouette, VideoCodingMovesEdgesByLessThanHalfAPixel) {
   for (const char* form : {"avc1", "MJPG"}) {
     Studio studio(320, 240);
     std::vector<Shots> shots = shoot(studio, false);
@@ -215,14 +215,14 @@ TEST(Silhouette, VideoCodingWidensItsEdgeByLessThanHalfAPixel) {
       for (int y = 0; y < mask.height; ++y)
         for (int x = 0; x < mask.width; ++x) {
           const double distance = std::hypot(x - 0.45 * mask.width, y - 0.5 * mask.height);
-          if (std::abs(distance - 30) < 3) continue;  // what is coded anew about it: 2 pixels of colour
+          if (std::abs(distance - 30) < 3) continue;  // re-encoded pixels around the edge: 2 pixels of chroma
           ASSERT_EQ(distance < 30, mask.pixels[std::size_t(y * mask.width + x)] != 0) << form;
         }
     }
   }
 }
 
-TEST(Silhouette, AnEmptyImageHasNoSilhouetteWorthTheName) {
+TEST(Silhouette, EmptyImageHasAlmostNoSilhouette) {
   Studio studio(320, 240);
   for (const Mask& mask : segment(studio, false).cleaned) EXPECT_LT(pixelsSet(mask), 10);
 }

@@ -10,14 +10,14 @@ namespace {
 
 constexpr double kTubeRadius = 0.08, kTubeTop = 0.1;  // metres: the preset `tube`
 
-/// Calls `use(time, pose)` every 5 ms while the hand is there.
+/// Calls `use(time, pose)` every 5 ms while the hand is visible.
 template <class Use>
 void walk(const HandScript& script, Use use) {
   for (double time_s = 0; time_s <= script.endSeconds() + 0.2; time_s += 0.005)
     if (const auto pose = script.at(time_s)) use(time_s, *pose);
 }
 
-TEST(Script, TheHandAppearsAfterTheBackgroundAndStays) {
+TEST(Script, HandAppearsAfterTheBackgroundFrames) {
   const HandScript script = demoScript();
   EXPECT_FALSE(script.at(9.0 / 30));
   EXPECT_TRUE(script.at(10.0 / 30));
@@ -26,7 +26,7 @@ TEST(Script, TheHandAppearsAfterTheBackgroundAndStays) {
   EXPECT_LT(script.endSeconds(), 6);
 }
 
-TEST(Script, IsAsSlowAndSmoothAsAHand) {
+TEST(Script, MotionIsSlowAndSmooth) {
   const HandScript script = demoScript();
   constexpr double h = 1e-3;
   walk(script, [&](double time_s, const Pose& pose) {
@@ -36,7 +36,7 @@ TEST(Script, IsAsSlowAndSmoothAsAHand) {
     EXPECT_LT(speed, 0.5) << "metres a second at " << time_s;
     const double turning = angleBetween(before->linear(), after->linear()) / (2 * h);
     EXPECT_LT(turning * 180 / M_PI, 120) << "degrees a second at " << time_s;
-    // a corner in the path at this speed would show as 100 m/s² and more
+    // at this speed, a corner in the path would be 100 m/s² and more
     const Vec3 acceleration =
         (after->translation() - 2 * pose.translation() + before->translation()) / (h * h);
     EXPECT_LT(acceleration.norm(), 10) << "metres a second squared at " << time_s;
@@ -44,7 +44,7 @@ TEST(Script, IsAsSlowAndSmoothAsAHand) {
   });
 }
 
-TEST(Script, TheWholeHandStaysInTheCube) {
+TEST(Script, HandStaysInsideTheWorkspace) {
   const TriangleMesh skin = builtInHand(false).skin;
   double farthest = 0;
   walk(demoScript(), [&](double, const Pose& world_from_hand) {
@@ -54,10 +54,10 @@ TEST(Script, TheWholeHandStaysInTheCube) {
   EXPECT_LT(farthest, 0.295);
 }
 
-TEST(Script, TheHandStartsClearOfTheClayAndPushesItsSideAndRimIn) {
+TEST(Script, HandStartsAwayFromTheClayThenPushesSideAndRim) {
   const TriangleMesh skin = builtInHand(false).skin;
   const HandScript script = demoScript();
-  // how deep the skin is inside the solid cylinder, from its side or from its top
+  // the skin's depth inside the solid cylinder, from its side or its top
   double side = 0, top = 0;
   walk(script, [&](double time_s, const Pose& world_from_hand) {
     double from_side = 0, from_top = 0;

@@ -9,7 +9,7 @@
 namespace airclay {
 namespace {
 
-/// A sphere of quads along meridians, cut in two; closed, anticlockwise from outside.
+/// A sphere of quads along meridians, split in two; closed, counterclockwise from outside.
 TriangleMesh sphere(double radius_m) {
   constexpr int rings = 64, around = 128;
   TriangleMesh mesh;
@@ -38,23 +38,23 @@ Rig mixedRig() {
   return rig;
 }
 
-/// Area in pixels and centre of mass of an image of shares.
+/// Area in pixels and centre of mass of a coverage image.
 struct Shape {
   double area = 0;
   Vec2 center = Vec2::Zero();
 };
-Shape shapeOf(const std::vector<double>& shares, int width) {
+Shape shapeOf(const std::vector<double>& coverages, int width) {
   Shape shape;
-  for (std::size_t i = 0; i < shares.size(); ++i) {
+  for (std::size_t i = 0; i < coverages.size(); ++i) {
     const auto w = static_cast<std::size_t>(width);
-    shape.area += shares[i];
-    shape.center += shares[i] * Vec2(static_cast<double>(i % w), static_cast<double>(i / w));
+    shape.area += coverages[i];
+    shape.center += coverages[i] * Vec2(static_cast<double>(i % w), static_cast<double>(i / w));
   }
   if (shape.area > 0) shape.center /= shape.area;
   return shape;
 }
 
-/// Fine image: kFine x kFine samples a pixel, from each triangle projected by the CPU's lens.
+/// A supersampled image: kFine x kFine samples per pixel, of each triangle projected by the CPU's lens.
 constexpr int kFine = 6;
 std::vector<double> projectedShares(const Camera& camera, const TriangleMesh& mesh,
                                     const Pose& world_from_mesh) {
@@ -81,13 +81,13 @@ std::vector<double> projectedShares(const Camera& camera, const TriangleMesh& me
           covered[std::size_t(y) * std::size_t(width) + std::size_t(x)] = 1;
       }
   }
-  std::vector<double> shares(static_cast<std::size_t>(camera.width) *
-                             static_cast<std::size_t>(camera.height));
+  std::vector<double> coverages(static_cast<std::size_t>(camera.width) *
+                                static_cast<std::size_t>(camera.height));
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
-      shares[std::size_t(y / kFine) * std::size_t(camera.width) + std::size_t(x / kFine)] +=
+      coverages[std::size_t(y / kFine) * std::size_t(camera.width) + std::size_t(x / kFine)] +=
           covered[std::size_t(y) * std::size_t(width) + std::size_t(x)] / double(kFine * kFine);
-  return shares;
+  return coverages;
 }
 
 /// A sensor with its rig, and its images as bytes.
@@ -95,7 +95,7 @@ struct Studio {
   Studio(const Rig& rig, const std::vector<TriangleMesh>& meshes)
       : gpu_rig(testGpu(), rig), sensor(testGpu(), gpu_rig, meshes), recorder(testGpu()) {}
 
-  /// All cameras' bytes, one after another.
+  /// The bytes of all cameras, one after another.
   std::vector<std::uint8_t> take(const std::optional<Pose>& pose, const SensorFrame& frame = {}) {
     recorder.begin();
     recorder.stage("sensor");
@@ -123,20 +123,20 @@ Pose somewhere() {
   return pose;
 }
 
-TEST(Sensor, ASpheresOutlineIsTheConesOfItsTangents) {
+TEST(Sensor, SphereOutlineIsItsTangentCone) {
   const Rig rig = mixedRig();
   const double radius_m = 0.09;
   Studio studio(rig, {sphere(radius_m)});
   studio.take(somewhere());
   for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
     SCOPED_TRACE(rig.cameras[c].name);
-    // closed form: a pixel's samples whose rays pass within the radius
+    // closed form: the pixel samples whose rays pass within the radius
     Camera fine = rig.cameras[c];
     fine.width *= 4;
     fine.height *= 4;
     fine.lens.fx *= 4;
     fine.lens.fy *= 4;
-    fine.lens.cx = 4 * fine.lens.cx + 1.5;  // pixel centres at whole numbers
+    fine.lens.cx = 4 * fine.lens.cx + 1.5;  // pixel centres at integers
     fine.lens.cy = 4 * fine.lens.cy + 1.5;
     const Mask mask = sphereMasks({{fine}, rig.workspace}, somewhere().translation(), radius_m)[0];
     const std::vector<double> samples(mask.pixels.begin(), mask.pixels.end());
@@ -149,7 +149,7 @@ TEST(Sensor, ASpheresOutlineIsTheConesOfItsTangents) {
   }
 }
 
-TEST(Sensor, TheHandIsWhereTheLensPutsIt) {
+TEST(Sensor, HandIsAtItsProjection) {
   const Rig rig = mixedRig();
   const TriangleMesh skin = builtInHand(false).skin;
   Studio studio(rig, {skin});
@@ -163,24 +163,24 @@ TEST(Sensor, TheHandIsWhereTheLensPutsIt) {
     EXPECT_GT(expected.area, 300);
     EXPECT_NEAR(seen.area / expected.area, 1, 0.01);
     EXPECT_LT((seen.center - expected.center).norm(), 0.05);
-    double different = 0;  // four samples tell an edge pixel's share to about an eighth
+    double different = 0;  // four samples resolve an edge pixel's coverage to about an eighth
     for (std::size_t i = 0; i < coverage.size(); ++i) different += std::abs(coverage[i] - projected[i]);
     EXPECT_LT(different / expected.area, 0.05);
   }
 }
 
-TEST(Sensor, TheHandDiffersFromTheBackdropInColour) {
+TEST(Sensor, HandAndBackdropDifferInColour) {
   Studio studio(ringRig(4), {builtInHand(false).skin, builtInForearm(false)});
   const SensorFrame clean{.noise_sigma = 0};
   const std::vector<std::uint8_t> empty = studio.take(std::nullopt, clean),
                                   full = studio.take(somewhere(), clean);
   std::size_t pixel = 0, alike = 0, covered = 0;
   for (std::size_t c = 0; c < 4; ++c)
-    for (const double share : studio.sensor.coverage(c)) {
-      if (share == 1) {
+    for (const double coverage : studio.sensor.coverage(c)) {
+      if (coverage == 1) {
         ++covered;
         const std::uint8_t *behind = &empty[3 * pixel], *hand = &full[3 * pixel];
-        // skin is reddest, the cloth bluest: by this much the ratio red to blue must have grown
+        // skin is the reddest, the cloth the bluest: the ratio of red to blue must have grown by this factor
         alike += double(hand[2]) * behind[0] < 1.6 * behind[2] * hand[0];
       }
       ++pixel;
@@ -189,29 +189,29 @@ TEST(Sensor, TheHandDiffersFromTheBackdropInColour) {
   EXPECT_LT(alike, covered / 1000);
 }
 
-TEST(Sensor, TheShadowDimsTheFloorAndKeepsItsColour) {
+TEST(Sensor, ShadowDarkensTheFloorAndKeepsItsHue) {
   Rig rig = ringRig(4);
   Studio studio(rig, {builtInHand(false).skin, builtInForearm(false)});
   const SensorFrame clean{.noise_sigma = 0};
   const std::vector<std::uint8_t> empty = studio.take(std::nullopt, clean),
                                   full = studio.take(somewhere(), clean);
-  std::vector<double> shares;
+  std::vector<double> coverages;
   for (std::size_t c = 0; c < 4; ++c) {
     const std::vector<double> of_camera = studio.sensor.coverage(c);
-    shares.insert(shares.end(), of_camera.begin(), of_camera.end());
+    coverages.insert(coverages.end(), of_camera.begin(), of_camera.end());
   }
   double darkest = 1, tinted = 0;
-  // blocks of 16 pixels in a row: bytes alone are too coarse
-  for (std::size_t first = 0; first + 16 <= shares.size(); first += 16) {
-    double before[3] = {}, after[3] = {}, share = 0;
+  // blocks of 16 pixels in a row, because single bytes are too coarse
+  for (std::size_t first = 0; first + 16 <= coverages.size(); first += 16) {
+    double before[3] = {}, after[3] = {}, coverage = 0;
     for (std::size_t i = first; i < first + 16; ++i) {
-      share += shares[i];
+      coverage += coverages[i];
       for (std::size_t k = 0; k < 3; ++k) {
         before[k] += empty[3 * i + k];
         after[k] += full[3 * i + k];
       }
     }
-    if (share > 0 || before[2] < 16 * 25) continue;
+    if (coverage > 0 || before[2] < 16 * 25) continue;
     const double ratio = after[1] / before[1];
     darkest = std::min(darkest, ratio);
     for (std::size_t k = 0; k < 3; ++k) tinted = std::max(tinted, std::abs(after[k] / before[k] / ratio - 1));
@@ -222,7 +222,7 @@ TEST(Sensor, TheShadowDimsTheFloorAndKeepsItsColour) {
   EXPECT_LT(tinted, 0.02);
 }
 
-TEST(Sensor, TheNoiseIsGaussianWhiteAndOfTheSpreadAsked) {
+TEST(Sensor, NoiseIsWhiteGaussianWithGivenDeviation) {
   Studio studio(ringRig(2), {sphere(0.05)});
   const std::vector<std::uint8_t> clean = studio.take(std::nullopt, {.noise_sigma = 0}),
                                   noisy = studio.take(std::nullopt, {.noise_sigma = 2.5});
@@ -230,7 +230,7 @@ TEST(Sensor, TheNoiseIsGaussianWhiteAndOfTheSpreadAsked) {
   const std::size_t row = 3 * 320;
   const auto noise = [&](std::size_t i) { return double(noisy[i]) - clean[i]; };
   for (std::size_t i = 0; i + row < clean.size(); ++i) {
-    if (clean[i] < 20) continue;  // bytes stop at 0
+    if (clean[i] < 20) continue;  // bytes are clamped at 0
     const double n = noise(i);
     ++count;
     sum += n;
@@ -243,14 +243,14 @@ TEST(Sensor, TheNoiseIsGaussianWhiteAndOfTheSpreadAsked) {
   ASSERT_GT(count, 200'000);
   const double variance = square / count;
   EXPECT_NEAR(sum / count, 0, 5 * 2.5 / std::sqrt(count) + 0.005);
-  // both images are rounded to whole numbers: 1/12 each
+  // both images are rounded to integers: variance 1/12 each
   EXPECT_NEAR(std::sqrt(variance - 2.0 / 12), 2.5, 0.02);
   EXPECT_NEAR(fourth / count / (variance * variance), 3, 0.1);
   for (const double product : {with_next, with_channel, with_below})
     EXPECT_NEAR(product / square, 0, 5 / std::sqrt(count));
 }
 
-TEST(Sensor, TheSameFrameIsTheSameBytesAndAnotherIsNot) {
+TEST(Sensor, EqualFramesAreEqualBytes) {
   Studio studio(ringRig(2), {sphere(0.05)});
   const SensorFrame frame{.seed = 7, .frame = 12};
   const std::vector<std::uint8_t> first = studio.take(somewhere(), frame);
@@ -272,8 +272,8 @@ TEST(Sensor, BrightnessScalesTheImage) {
   EXPECT_NEAR(mean(1.03) / mean(1), 1.03, 0.002);
 }
 
-TEST(Sensor, ImagesOfAnySizeAreWhole) {
-  Rig rig = ringRig(3, 101, 77);  // 7,777 pixels: no whole number of words
+TEST(Sensor, RendersAnyImageSize) {
+  Rig rig = ringRig(3, 101, 77);  // 7,777 pixels: not a whole number of 32-bit words
   rig.cameras[1] = ringRig(3, 64, 64).cameras[1];
   Rig alone = rig;
   alone.cameras = {rig.cameras[0]};
@@ -287,7 +287,7 @@ TEST(Sensor, ImagesOfAnySizeAreWhole) {
     EXPECT_GT(shapeOf(together.sensor.coverage(c), rig.cameras[c].width).area, 200);
 }
 
-TEST(Sensor, StagesAreTimedAfterDrawingAsBefore) {
+TEST(Sensor, StagesAreTimedAfterDrawing) {
   Studio studio(ringRig(4), {sphere(0.05)});
   const auto emptyFrameMs = [&] {
     studio.take(std::nullopt);
@@ -296,11 +296,11 @@ TEST(Sensor, StagesAreTimedAfterDrawingAsBefore) {
   emptyFrameMs();
   const double before_ms = emptyFrameMs();
   studio.take(somewhere());
-  // the factor is for a busy machine; a timestamp that is put off shows less than a hundredth
+  // the factor allows for a busy machine; a deferred timestamp would show less than a hundredth
   EXPECT_GT(emptyFrameMs(), 0.1 * before_ms);
 }
 
-TEST(Sensor, NothingToSeeIsRefused) {
+TEST(Sensor, RejectsEmptyScene) {
   const GpuRig rig(testGpu(), ringRig(2));
   EXPECT_THROW(Sensor(testGpu(), rig, {}), Error);
 }
