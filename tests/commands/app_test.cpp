@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The program's options, errors and output files, as scripts rely on them. No test here tracks a hand;
+// The program's options, errors and output files, on which scripts rely. No test here tracks a hand;
 // tests/commands/sculpt_app_test.cpp does.
 #include <gtest/gtest.h>
 
@@ -21,28 +21,28 @@ namespace airclay {
 namespace {
 
 using nlohmann::json;
-using Words = std::vector<std::string>;
+using Strings = std::vector<std::string>;
 
-/// The run was refused with one line that says `expected`, and nothing else.
-void expectRefused(const Words& words, int status, const std::string& expected) {
+/// The run fails with one line that contains `expected`, and prints nothing else.
+void expectRefused(const Strings& arguments, int status, const std::string& expected) {
   std::string shown;
-  for (const std::string& word : words) shown += " " + word;
+  for (const std::string& argument : arguments) shown += " " + argument;
   SCOPED_TRACE("airclay" + shown);
-  const Ran ran = runAirclay(words);
-  EXPECT_EQ(ran.status, status);
-  EXPECT_EQ(ran.output, "");
-  ASSERT_EQ(ran.errorLines().size(), 1u) << ran.errors;
-  EXPECT_NE(ran.errors.find(expected), std::string::npos) << ran.errors;
+  const RunResult result = runAirclay(arguments);
+  EXPECT_EQ(result.status, status);
+  EXPECT_EQ(result.output, "");
+  ASSERT_EQ(result.errorLines().size(), 1u) << result.errors;
+  EXPECT_NE(result.errors.find(expected), std::string::npos) << result.errors;
 }
 
-json jsonOf(const Words& words) {
-  const Ran ran = runAirclay(words);
-  EXPECT_EQ(ran.status, 0) << ran.errors;
-  EXPECT_EQ(ran.errors, "");
-  return json::parse(ran.output);
+json jsonOf(const Strings& arguments) {
+  const RunResult result = runAirclay(arguments);
+  EXPECT_EQ(result.status, 0) << result.errors;
+  EXPECT_EQ(result.errors, "");
+  return json::parse(result.output);
 }
 
-/// A take of masks alone: a sphere before a ring of cameras, all of it `scale` times as large.
+/// A take with only masks: a sphere in front of a ring of cameras, scaled by `scale`.
 struct SphereTake {
   TemporaryFolder folder;
   Rig rig = ringRig(4);
@@ -58,13 +58,13 @@ struct SphereTake {
       std::filesystem::create_directories(masks_folder);
       std::vector<std::uint8_t> rgba;
       for (const std::uint8_t pixel : masks[i].pixels) rgba.insert(rgba.end(), {pixel, pixel, pixel, 255});
-      writePng(masks_folder / "000001.png", {camera.width, camera.height}, rgba);  // frame 0 shows nothing
+      writePng(masks_folder / "000001.png", {camera.width, camera.height}, rgba);  // frame 0 is empty
     }
   }
   std::string path() const { return folder.path().string(); }
 };
 
-/// A take of videos of two cameras; what is wrong with it is done to it later.
+/// A take with videos of two cameras; tests damage it.
 struct VideoTake {
   TemporaryFolder folder;
   Rig rig = ringRig(2, 64, 48);
@@ -87,12 +87,12 @@ struct VideoTake {
     ASSERT_NE(place, std::string::npos) << text;
     folder.write("rig.toml", text.replace(place, from.size(), to));
   }
-  Words hull() const {
+  Strings hull() const {
     return {"hull", folder.path().string(), "--frame", "11", "--out", (folder / "hull.ply").string()};
   }
 };
 
-/// A glTF binary of nothing but this JSON (Khronos, glTF 2.0, section 4.4: header, then chunks).
+/// A glTF binary that contains only this JSON (Khronos, glTF 2.0, section 4.4: header, then chunks).
 std::string glb(std::string text) {
   text.resize((text.size() + 3) / 4 * 4, ' ');
   const auto word = [](std::size_t value) {
@@ -103,22 +103,22 @@ std::string glb(std::string text) {
   return "glTF" + word(2) + word(text.size() + 20) + word(text.size()) + "JSON" + text;
 }
 
-TEST(App, EveryCommandHelps) {
+TEST(App, EveryCommandHasHelp) {
   EXPECT_EQ(runAirclay({"--help"}).status, 0);
   EXPECT_EQ(runAirclay({"--version"}).output, "0.1.0\n");
   for (const char* command :
        {"demo", "sculpt", "track", "hull", "subdivide", "deform", "figures", "compare", "bench", "devices",
         "board", "calibrate", "recalibrate", "cameras", "offsets", "record", "serve", "rig", "check"}) {
-    const Ran ran = runAirclay({command, "--help"});
-    EXPECT_EQ(ran.status, 0) << command;
-    EXPECT_NE(ran.output.find(std::string("airclay ") + command), std::string::npos) << ran.output;
-    EXPECT_EQ(ran.errors, "");
+    const RunResult result = runAirclay({command, "--help"});
+    EXPECT_EQ(result.status, 0) << command;
+    EXPECT_NE(result.output.find(std::string("airclay ") + command), std::string::npos) << result.output;
+    EXPECT_EQ(result.errors, "");
     EXPECT_NE(runAirclay({"--help"}).output.find(std::string("\n  ") + command), std::string::npos)
         << command;
   }
 }
 
-TEST(App, WrongUsageIsStatusTwo) {
+TEST(App, WrongUsageExitsWithTwo) {
   expectRefused({}, 2, "--help");
   expectRefused({"knead"}, 2, "knead");
   expectRefused({"calibrate"}, 2, "calibrate");
@@ -144,15 +144,15 @@ TEST(App, WrongUsageIsStatusTwo) {
   expectRefused({"sculpt", "take", "--size", "-1"}, 2, "--size");
 }
 
-/// `words` print `deprecation` and then `error`.
-void expectDeprecated(const Words& words, const std::string& deprecation, const std::string& error) {
-  const Ran ran = runAirclay(words);
-  ASSERT_EQ(ran.errorLines().size(), 2u) << ran.errors;
-  EXPECT_EQ(ran.errorLines()[0], "airclay: " + deprecation);
-  EXPECT_NE(ran.errorLines()[1].find(error), std::string::npos) << ran.errors;
+/// The run prints `deprecation` and then `error`.
+void expectDeprecated(const Strings& arguments, const std::string& deprecation, const std::string& error) {
+  const RunResult result = runAirclay(arguments);
+  ASSERT_EQ(result.errorLines().size(), 2u) << result.errors;
+  EXPECT_EQ(result.errorLines()[0], "airclay: " + deprecation);
+  EXPECT_NE(result.errorLines()[1].find(error), std::string::npos) << result.errors;
 }
 
-TEST(App, FormerOptionNamesActAsTheCurrentOnes) {
+TEST(App, FormerOptionNamesStillWork) {
   const TemporaryFolder folder;
   const std::string take = folder.path().string();
   folder.write("actions.txt", "not a list of actions\n");
@@ -163,16 +163,16 @@ TEST(App, FormerOptionNamesActAsTheCurrentOnes) {
   expectDeprecated({"sculpt", take, "--headless", "--unsteady"}, "--unsteady is deprecated; use --no-filter",
                    "--no-filter does not apply to a replay");
   const std::string image = take + "/none/rig.png";
-  for (const Words& command : {Words{"calibrate", take}, Words{"recalibrate", "old.toml", take}}) {
-    Words words = command;
-    words.insert(words.end(), {"--out", take + "/rig.toml", "--picture", image});
-    expectDeprecated(words, "--picture is deprecated; use --image", image);
+  for (const Strings& command : {Strings{"calibrate", take}, Strings{"recalibrate", "old.toml", take}}) {
+    Strings arguments = command;
+    arguments.insert(arguments.end(), {"--out", take + "/rig.toml", "--picture", image});
+    expectDeprecated(arguments, "--picture is deprecated; use --image", image);
   }
   expectDeprecated({"serve", "--camera", "left=0", "--for", "-1"}, "--for is deprecated; use --seconds",
                    "--seconds must be above 0");
 }
 
-TEST(App, FormerOptionNamesAreNotListed) {
+TEST(App, FormerOptionNamesAreHidden) {
   std::string listed;
   for (const char* command : {"sculpt", "calibrate", "recalibrate", "serve"})
     listed += runAirclay({command, "--help"}).output;
@@ -184,7 +184,7 @@ TEST(App, FormerOptionNamesAreNotListed) {
     EXPECT_EQ(listed.find(former), std::string::npos) << former;
 }
 
-TEST(App, SculptTakesADocumentInPlaceOfARecording) {
+TEST(App, SculptAcceptsADocument) {
   const TemporaryFolder folder;
   const std::string document = folder / "pot.clay";
   ASSERT_EQ(runAirclay({"new", document}).status, 0);
@@ -193,7 +193,7 @@ TEST(App, SculptTakesADocumentInPlaceOfARecording) {
   expectRefused({"sculpt", folder / "take", "--headless"}, 1, folder / "take");
 }
 
-TEST(App, DevicesAreListed) {
+TEST(App, ListsDevices) {
   const json devices = jsonOf({"devices", "--json"}).at("devices");
   ASSERT_GE(devices.size(), 1u);
   const std::string name = devices[0].at("name");
@@ -201,18 +201,18 @@ TEST(App, DevicesAreListed) {
   EXPECT_EQ(runAirclay({"devices", "--quiet"}).output, "");
 }
 
-TEST(App, WithoutADriverTheStatusIsThree) {
+TEST(App, MissingDriverExitsWithThree) {
   const RunOptions no_driver{{{"VK_ICD_FILENAMES", "/nowhere.json"}, {"VK_DRIVER_FILES", "/nowhere.json"}}};
-  const Ran ran = runAirclay({"devices"}, no_driver);
-  EXPECT_EQ(ran.status, 3);
-  EXPECT_EQ(ran.errorLines().size(), 1u) << ran.errors;
+  const RunResult result = runAirclay({"devices"}, no_driver);
+  EXPECT_EQ(result.status, 3);
+  EXPECT_EQ(result.errorLines().size(), 1u) << result.errors;
   const SphereTake take;
-  const Words hull = {"hull", take.path(), "--frame", "1", "--out", (take.folder / "hull.ply").string()};
+  const Strings hull = {"hull", take.path(), "--frame", "1", "--out", (take.folder / "hull.ply").string()};
   EXPECT_EQ(runAirclay(hull, no_driver).status, 3);
-  Words on_device = hull;
+  Strings on_device = hull;
   on_device.insert(on_device.end(), {"--device", "999"});
   expectRefused(on_device, 3, "999");
-  // the clay's mathematics needs no device
+  // subdivision and solve need no device
   EXPECT_EQ(runAirclay({"subdivide", "tube", "--out", (take.folder / "tube.obj").string()}, no_driver).status,
             0);
 }
@@ -233,7 +233,7 @@ TEST(App, SubdivideWritesTheRowsOfTheMatrix) {
   EXPECT_EQ(jsonOf({"subdivide", "tube", "--levels", "1", "--out", out, "--json"})["data_points"], 98);
 }
 
-TEST(App, DeformBringsPointsWhereTheyAreSent) {
+TEST(App, DeformMovesPointsToTheirTargets) {
   const TemporaryFolder folder;
   const std::string moves = folder.write("moves.csv", "index,x,y,z\n5,0.1,0.02,0.03\n200,-0.08,0.05,-0.01\n");
   const std::string out = folder / "surface.obj", cage_out = folder / "cage.obj";
@@ -249,7 +249,7 @@ TEST(App, DeformBringsPointsWhereTheyAreSent) {
   for (std::size_t i = 0; i < again.size(); ++i) EXPECT_LT((surface.points[i] - again[i]).norm(), 1e-8);
 }
 
-TEST(App, HullOfMasksAtAnyScale) {
+TEST(App, CarvesMasksAtAnyScale) {
   for (const double scale : {1.0, 0.01, 200.0}) {
     SCOPED_TRACE(scale);
     const SphereTake take(scale);
@@ -258,7 +258,7 @@ TEST(App, HullOfMasksAtAnyScale) {
         jsonOf({"hull", take.path(), "--frame", "1", "--voxels", "64", "--out", out, "--json"});
     const VoxelGrid reference = carveReference(take.rig, take.masks, 64);
     const std::size_t occupied = hullStats(reference, take.rig.workspace).occupied;
-    std::size_t doubtful = 0;  // float and double may part there
+    std::size_t doubtful = 0;  // where float and double may differ
     for (const std::uint8_t is_edge : edgeVoxels(take.rig, take.masks, 64, 0.01)) doubtful += is_edge;
     EXPECT_LT(doubtful, occupied / 10);
     EXPECT_NEAR(figures["occupied"].get<double>(), double(occupied), double(doubtful));
@@ -279,7 +279,7 @@ TEST(App, HullOfAnEmptyFrameIsEmpty) {
   EXPECT_EQ(figures["volume_m3"], 0);
 }
 
-TEST(App, VoxelsOutOfRange) {
+TEST(App, RejectsVoxelsOutOfRange) {
   const SphereTake take;
   for (const char* voxels : {"0", "-5", "1000000000"})
     expectRefused({"hull", take.path(), "--frame", "1", "--out", (take.folder / "hull.ply").string(),
@@ -287,7 +287,7 @@ TEST(App, VoxelsOutOfRange) {
                   1, voxels);
 }
 
-TEST(App, UnwritableOutputs) {
+TEST(App, RejectsUnwritableOutputs) {
   const SphereTake take;
   const std::string no_folder = take.folder / "nowhere/out";
   const std::string moves = take.folder.write("moves.csv", "index,x,y,z\n5,0.1,0.02,0.03\n");
@@ -303,7 +303,7 @@ TEST(App, UnwritableOutputs) {
   expectRefused({"figures", "--out", file}, 1, file);
 }
 
-TEST(App, BadTakes) {
+TEST(App, RejectsBadTakes) {
   const TemporaryFolder folder;
   expectRefused({"track", folder / "none", "--poses", folder / "x.tum"}, 1, folder / "none");
   expectRefused({"track", folder.path(), "--poses", folder / "x.tum"}, 1, "rig.toml");
@@ -325,17 +325,17 @@ TEST(App, BadTakes) {
   }
   {
     const VideoTake take;
-    Words words = take.hull();
-    words[3] = "12";
-    expectRefused(words, 1, "0 to 11");
+    Strings arguments = take.hull();
+    arguments[3] = "12";
+    expectRefused(arguments, 1, "0 to 11");
   }
   {
-    const VideoTake take(8, 8);  // no more than the ten that should be empty
+    const VideoTake take(8, 8);  // fewer frames than the ten of the background
     expectRefused(take.hull(), 1, "--background");
   }
 }
 
-TEST(App, BadRigs) {
+TEST(App, RejectsBadRigs) {
   {
     VideoTake take;
     take.changeRig("translation = [", "translation = [nan, ");
@@ -350,21 +350,21 @@ TEST(App, BadRigs) {
     VideoTake take;
     take.changeRig("units", "unit");
     expectRefused(take.hull(), 1, "units");
-    Words words = take.hull();
-    words.insert(words.end(), {"--units", "m"});
-    EXPECT_EQ(runAirclay(words).status, 0);
+    Strings arguments = take.hull();
+    arguments.insert(arguments.end(), {"--units", "m"});
+    EXPECT_EQ(runAirclay(arguments).status, 0);
   }
 }
 
-TEST(App, VideosOfUnequalLengthAreNoFault) {
+TEST(App, AcceptsVideosOfUnequalLength) {
   const VideoTake take(12, 15);
-  const Ran ran = runAirclay(take.hull());
-  EXPECT_EQ(ran.status, 0);
-  ASSERT_EQ(ran.errorLines().size(), 1u) << ran.errors;
-  EXPECT_NE(ran.errors.find("unequal length"), std::string::npos) << ran.errors;
+  const RunResult result = runAirclay(take.hull());
+  EXPECT_EQ(result.status, 0);
+  ASSERT_EQ(result.errorLines().size(), 1u) << result.errors;
+  EXPECT_NE(result.errors.find("unequal length"), std::string::npos) << result.errors;
 }
 
-TEST(App, BadMeshesHandsAndMoves) {
+TEST(App, RejectsBadMeshesHandsAndMoves) {
   const TemporaryFolder folder;
   const std::string out = folder / "out.obj";
   const std::string range = folder.write("range.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 7\n");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// `airclay board`, as it is run.
+// `airclay board` as a user runs it.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -15,31 +15,31 @@ namespace airclay {
 namespace {
 
 using nlohmann::json;
-using Words = std::vector<std::string>;
+using Strings = std::vector<std::string>;
 
-Words boardWords(const std::filesystem::path& out, const Words& more = {}) {
-  Words words{"board", "--out", out.string()};
-  words.insert(words.end(), more.begin(), more.end());
-  return words;
+Strings boardCommand(const std::filesystem::path& out, const Strings& more = {}) {
+  Strings arguments{"board", "--out", out.string()};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
 }
 
-json jsonOf(Words words) {
-  words.push_back("--json");
-  const Ran ran = runAirclay(words);
-  EXPECT_EQ(ran.status, 0) << ran.errors;
-  EXPECT_EQ(ran.errors, "");
-  return json::parse(ran.output);
+json jsonOf(Strings arguments) {
+  arguments.push_back("--json");
+  const RunResult result = runAirclay(arguments);
+  EXPECT_EQ(result.status, 0) << result.errors;
+  EXPECT_EQ(result.errors, "");
+  return json::parse(result.output);
 }
 
-TEST(BoardApp, MakesWhatTheDetectorFinds) {
+TEST(BoardApp, MakesDetectableBoards) {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder / "board.png";
-  const json said = jsonOf(boardWords(file, {"--dpi", "100"}));
-  EXPECT_EQ(said["squares"], json({5, 3}));
-  EXPECT_EQ(said["square_mm"], 54);
-  EXPECT_EQ(said["marker_mm"], 40);
-  EXPECT_EQ(said["page"], "a4");
-  EXPECT_FALSE(said.contains("cell_px"));
+  const json report = jsonOf(boardCommand(file, {"--dpi", "100"}));
+  EXPECT_EQ(report["squares"], json({5, 3}));
+  EXPECT_EQ(report["square_mm"], 54);
+  EXPECT_EQ(report["marker_mm"], 40);
+  EXPECT_EQ(report["page"], "a4");
+  EXPECT_FALSE(report.contains("cell_px"));
   const ImageSize size = imageSize(file);
   std::vector<std::uint8_t> grey(std::size_t(size.width) * std::size_t(size.height));
   readImage(file, size, PixelFormat::kGrey8, grey);
@@ -48,55 +48,56 @@ TEST(BoardApp, MakesWhatTheDetectorFinds) {
   EXPECT_EQ(view->ids.size(), 8u);
 }
 
-TEST(BoardApp, SaysHowToPrintAndWhetherItWillBeRead) {
+TEST(BoardApp, ReportsPrintingAndReadability) {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder / "board.pdf";
-  const Ran ran = runAirclay(boardWords(file, {"--resolution", "640x480", "--distance", "1.1"}));
-  EXPECT_EQ(ran.status, 0) << ran.errors;
+  const RunResult result = runAirclay(boardCommand(file, {"--resolution", "640x480", "--distance", "1.1"}));
+  EXPECT_EQ(result.status, 0) << result.errors;
   EXPECT_TRUE(contentOf(file).starts_with("%PDF-"));
-  for (const char* words : {"5 x 3 squares of 54 mm", "100 %", "100 mm", "3.4 pixels: it will be read"})
-    EXPECT_NE(ran.output.find(words), std::string::npos) << words << "\n" << ran.output;
-  EXPECT_EQ(runAirclay(boardWords(file, {"--quiet"})).output, "");
+  for (const char* arguments : {"5 x 3 squares of 54 mm", "100 %", "100 mm", "3.4 pixels: it will be read"})
+    EXPECT_NE(result.output.find(arguments), std::string::npos) << arguments << "\n" << result.output;
+  EXPECT_EQ(runAirclay(boardCommand(file, {"--quiet"})).output, "");
 }
 
-TEST(BoardApp, ProposesAReadableBoardThatCanBeMade) {
+TEST(BoardApp, ProposesReadableBoard) {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder / "board.pdf";
-  const json said = jsonOf(boardWords(file, {"--resolution", "640x480", "--distance", "1.8"}));
-  EXPECT_FALSE(said["readable"]);
-  ASSERT_TRUE(said.contains("proposal"));
-  const json& proposal = said["proposal"];
+  const json report = jsonOf(boardCommand(file, {"--resolution", "640x480", "--distance", "1.8"}));
+  EXPECT_FALSE(report["readable"]);
+  ASSERT_TRUE(report.contains("proposal"));
+  const json& proposal = report["proposal"];
   const std::string squares = std::to_string(proposal["squares"][0].get<int>()) + "x" +
                               std::to_string(proposal["squares"][1].get<int>());
   const json again = jsonOf(
-      boardWords(file, {"--squares", squares, "--square-mm", proposal["square_mm"].dump(), "--marker-mm",
-                        proposal["marker_mm"].dump(), "--dictionary", proposal["dictionary"], "--page",
-                        proposal["page"], "--resolution", "640x480", "--distance", "1.8"}));
+      boardCommand(file, {"--squares", squares, "--square-mm", proposal["square_mm"].dump(), "--marker-mm",
+                          proposal["marker_mm"].dump(), "--dictionary", proposal["dictionary"], "--page",
+                          proposal["page"], "--resolution", "640x480", "--distance", "1.8"}));
   EXPECT_TRUE(again["readable"]);
   EXPECT_NEAR(again["cell_px"].get<double>(), proposal["cell_px"].get<double>(), 1e-6);
 }
 
-TEST(BoardApp, ARigSaysTheCamerasItself) {
+TEST(BoardApp, TakesCamerasFromTheRig) {
   const TemporaryFolder folder;
   const Rig rig = ringRig(3, 640, 480);
   writeRig(folder / "rig.toml", rig);
-  const json said = jsonOf(boardWords(folder / "board.pdf", {"--rig", (folder / "rig.toml").string()}));
+  const json report = jsonOf(boardCommand(folder / "board.pdf", {"--rig", (folder / "rig.toml").string()}));
   double smallest = 1e9;
   for (const Camera& camera : rig.cameras) {
     const double distance_m = (camera.camera_from_world * rig.workspace.center).norm();
     smallest = std::min(smallest, 0.040 / 6 * (camera.lens.fx + camera.lens.fy) / 2 / distance_m);
   }
-  EXPECT_NEAR(said["cell_px"].get<double>(), smallest, 1e-6);
+  EXPECT_NEAR(report["cell_px"].get<double>(), smallest, 1e-6);
 }
 
-TEST(BoardApp, WhatIsWrongIsSaidInOneLine) {
+TEST(BoardApp, ErrorsAreOneLine) {
   const TemporaryFolder folder;
-  const auto refused = [&](const std::string& out, const Words& words, int status, const std::string& says) {
-    const Ran ran = runAirclay(boardWords(folder / out, words));
-    EXPECT_EQ(ran.status, status) << says;
-    EXPECT_EQ(ran.output, "");
-    ASSERT_EQ(ran.errorLines().size(), 1u) << ran.errors;
-    EXPECT_NE(ran.errors.find(says), std::string::npos) << ran.errors;
+  const auto refused = [&](const std::string& out, const Strings& arguments, int status,
+                           const std::string& expected) {
+    const RunResult result = runAirclay(boardCommand(folder / out, arguments));
+    EXPECT_EQ(result.status, status) << expected;
+    EXPECT_EQ(result.output, "");
+    ASSERT_EQ(result.errorLines().size(), 1u) << result.errors;
+    EXPECT_NE(result.errors.find(expected), std::string::npos) << result.errors;
   };
   refused("board.jpg", {}, 2, ".pdf or .png");
   refused("none/board.pdf", {}, 1, "no such folder");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// `airclay calibrate` and `recalibrate` with cameras that run: videos of a waved board, played as cameras
-// would.
+// `airclay calibrate` and `recalibrate` with live cameras: videos of a moving board, played like
+// cameras.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -16,7 +16,7 @@ namespace airclay {
 namespace {
 
 using nlohmann::json;
-using Words = std::vector<std::string>;
+using Strings = std::vector<std::string>;
 
 constexpr int kWidth = 320, kHeight = 240;
 constexpr int kPositions = 32, kFramesEach = 7;
@@ -29,7 +29,7 @@ class CalibrateLive : public testing::Test {
     board.marker_m = 0.045;
   }
 
-  /// The board rests for a quarter of a second here and there.
+  /// The board rests for a quarter of a second at several places.
   void film(bool with_board = true) const {
     std::vector<VideoWriter> videos;
     for (const Camera& camera : rig.cameras) videos.push_back(writerFor(camera.name));
@@ -52,8 +52,8 @@ class CalibrateLive : public testing::Test {
     options.format = VideoWriter::Format::kBgr8;
     return VideoWriter(folder / (name + ".mp4"), options);
   }
-  Words words(const Words& command, const Words& more) const {
-    Words all = command;
+  Strings arguments(const Strings& command, const Strings& more) const {
+    Strings all = command;
     for (const Camera& camera : rig.cameras)
       all.insert(all.end(), {"--camera", camera.name + "=" + (folder / (camera.name + ".mp4")).string()});
     all.insert(all.end(), {"--square-mm", "60", "--marker-mm", "45", "--out", out()});
@@ -61,10 +61,10 @@ class CalibrateLive : public testing::Test {
     return all;
   }
   std::string out() const { return folder / "found.toml"; }
-  static void expectRefused(const Ran& ran, int status, const std::string& expected) {
-    EXPECT_EQ(ran.status, status) << ran.output;
-    ASSERT_EQ(ran.errorLines().size(), 1u) << ran.errors;
-    EXPECT_NE(ran.errors.find(expected), std::string::npos) << ran.errors;
+  static void expectRefused(const RunResult& result, int status, const std::string& expected) {
+    EXPECT_EQ(result.status, status) << result.output;
+    ASSERT_EQ(result.errorLines().size(), 1u) << result.errors;
+    EXPECT_NE(result.errors.find(expected), std::string::npos) << result.errors;
   }
 
   TemporaryFolder folder;
@@ -72,42 +72,43 @@ class CalibrateLive : public testing::Test {
   Board board;
 };
 
-TEST_F(CalibrateLive, WithoutAWindowViewsAreCollectedUntilThereAreEnough) {
+TEST_F(CalibrateLive, CollectsViewsWithoutAWindow) {
   film();
-  const Ran ran = runAirclay(words({"calibrate"}, {"--headless", "--json", "--loop"}));
-  ASSERT_EQ(ran.status, 0) << ran.errors;
-  const json said = json::parse(ran.output);
-  ASSERT_EQ(said["cameras"].size(), 2u);
-  for (const json& camera : said["cameras"]) EXPECT_GE(camera["views"], kFewestViews);
-  EXPECT_LT(said["rms_px"], 0.2);
+  const RunResult result = runAirclay(arguments({"calibrate"}, {"--headless", "--json", "--loop"}));
+  ASSERT_EQ(result.status, 0) << result.errors;
+  const json report = json::parse(result.output);
+  ASSERT_EQ(report["cameras"].size(), 2u);
+  for (const json& camera : report["cameras"]) EXPECT_GE(camera["views"], kFewestViews);
+  EXPECT_LT(report["rms_px"], 0.2);
   const CubeError error = cubeError(rig, readRig(out()));
   EXPECT_LT(error.central_mm, 0.5);
   EXPECT_NEAR(error.scale, 1, 2e-3);
 
-  // the second camera was bumped: its rig says where it was before
+  // the second camera was moved: its rig states the former place
   Rig old = readRig(out());
   const Rig truth = old;
   old.cameras[1] = bumped(old.cameras[1], Vec3(0.012, -0.004, 0.003), Vec3(0.01, 0.02, -0.01));
   const std::string old_file = folder / "old.toml";
   writeRig(old_file, old);
-  const Ran again = runAirclay(words({"recalibrate", old_file}, {"--headless", "--json", "--loop"}));
+  const RunResult again =
+      runAirclay(arguments({"recalibrate", old_file}, {"--headless", "--json", "--loop"}));
   ASSERT_EQ(again.status, 0) << again.errors;
   EXPECT_LT(cubeError(truth, readRig(out())).central_mm, 0.5);
   const json refound = json::parse(again.output);
   EXPECT_GT(refound["rms_px_before"].get<double>(), 5 * refound["rms_px"].get<double>());
 }
 
-TEST_F(CalibrateLive, FilesThatEndWithoutABoardAreOneLine) {
+TEST_F(CalibrateLive, MissingBoardIsAOneLineError) {
   film(false);
-  expectRefused(runAirclay(words({"calibrate"}, {"--headless", "--quiet"})), 1, "cam0");
+  expectRefused(runAirclay(arguments({"calibrate"}, {"--headless", "--quiet"})), 1, "cam0");
   EXPECT_FALSE(std::filesystem::exists(out()));
 }
 
-TEST_F(CalibrateLive, WhatCannotBeIsRefused) {
+TEST_F(CalibrateLive, RejectsInvalidUse) {
   expectRefused(runAirclay({"calibrate", "--out", out()}), 2, "--camera NAME=SOURCE");
-  expectRefused(runAirclay(words({"calibrate", folder.path().string()}, {})), 2, "TAKE or --camera");
-  expectRefused(runAirclay(words({"calibrate"}, {"--headless", "--world", "3"})), 2, "--world");
-  expectRefused(runAirclay(words({"calibrate"}, {"--headless"})), 1, "cam0.mp4");
+  expectRefused(runAirclay(arguments({"calibrate", folder.path().string()}, {})), 2, "TAKE or --camera");
+  expectRefused(runAirclay(arguments({"calibrate"}, {"--headless", "--world", "3"})), 2, "--world");
+  expectRefused(runAirclay(arguments({"calibrate"}, {"--headless"})), 1, "cam0.mp4");
 }
 
 class CalibrateWindow : public CalibrateLive {
@@ -117,9 +118,9 @@ class CalibrateWindow : public CalibrateLive {
       GTEST_SKIP() << "there is no Xvfb; third_party/packages.txt names what is needed";
     film();
   }
-  void start(const Words& more) { open(words({"calibrate"}, more)); }
-  void open(const Words& command) {
-    Words all = {AIRCLAY_PROGRAM};
+  void start(const Strings& more) { open(arguments({"calibrate"}, more)); }
+  void open(const Strings& command) {
+    Strings all = {AIRCLAY_PROGRAM};
     all.insert(all.end(), command.begin(), command.end());
     std::map<std::string, std::string> environment = desktop.environment();
     environment["AIRCLAY_VALIDATION"] = "1";
@@ -131,13 +132,13 @@ class CalibrateWindow : public CalibrateLive {
   std::optional<Process> program;
 };
 
-TEST_F(CalibrateWindow, ShowsTheCamerasAndMakesTheRigWhenTold) {
+TEST_F(CalibrateWindow, ShowsCamerasAndMakesTheRig) {
   start({"--loop"});
   const Screenshot first = desktop.screenshot();
   ASSERT_TRUE(waitUntil([&] { return differingFraction(first, desktop.screenshot(), 0.9) > 0.05; }))
       << "the cameras' images move";
   desktop.key("w");
-  // too few views at first: it says so, and goes on
+  // too few views at first: the window says so and continues
   ASSERT_TRUE(waitUntil([&] {
     desktop.key("Return");
     std::this_thread::sleep_for(std::chrono::milliseconds(700));
@@ -152,8 +153,8 @@ TEST_F(CalibrateWindow, ShowsTheCamerasAndMakesTheRigWhenTold) {
     EXPECT_EQ(contentOf(folder / "errors").find(line), std::string::npos) << contentOf(folder / "errors");
 }
 
-TEST_F(CalibrateWindow, CamerasAreWatchedInOneToo) {
-  Words watch = {"cameras", "--watch", "--loop"};
+TEST_F(CalibrateWindow, WatchesCameras) {
+  Strings watch = {"cameras", "--watch", "--loop"};
   for (const Camera& camera : rig.cameras)
     watch.insert(watch.end(), {"--camera", camera.name + "=" + (folder / (camera.name + ".mp4")).string()});
   open(watch);
@@ -166,7 +167,7 @@ TEST_F(CalibrateWindow, CamerasAreWatchedInOneToo) {
   EXPECT_EQ(contentOf(folder / "errors"), "");
 }
 
-TEST_F(CalibrateWindow, ClosedBeforeThereIsARigItSaysSo) {
+TEST_F(CalibrateWindow, ClosingEarlyReportsThatNoRigWasMade) {
   start({"--loop"});
   desktop.key("Escape");
   EXPECT_EQ(program->waitForExit(), 1);

@@ -15,30 +15,30 @@ namespace airclay {
 namespace {
 
 using nlohmann::json;
-using Words = std::vector<std::string>;
+using Strings = std::vector<std::string>;
 
-/// The run was refused with one line that says `expected`, and nothing else.
-void expectRefused(const Words& words, int status, const std::string& expected) {
-  const Ran ran = runAirclay(words);
-  EXPECT_EQ(ran.status, status);
-  EXPECT_EQ(ran.output, "");
-  ASSERT_EQ(ran.errorLines().size(), 1u) << ran.errors;
-  EXPECT_NE(ran.errors.find(expected), std::string::npos) << ran.errors;
+/// The run fails with one line that contains `expected`, and prints nothing else.
+void expectRefused(const Strings& arguments, int status, const std::string& expected) {
+  const RunResult result = runAirclay(arguments);
+  EXPECT_EQ(result.status, status);
+  EXPECT_EQ(result.output, "");
+  ASSERT_EQ(result.errorLines().size(), 1u) << result.errors;
+  EXPECT_NE(result.errors.find(expected), std::string::npos) << result.errors;
 }
 
-/// What a run that must succeed prints.
-std::string outputOf(const Words& words) {
-  const Ran ran = runAirclay(words);
-  EXPECT_EQ(ran.status, 0);
-  EXPECT_EQ(ran.errors, "");
-  return ran.output;
+/// The output of a run that must succeed.
+std::string outputOf(const Strings& arguments) {
+  const RunResult result = runAirclay(arguments);
+  EXPECT_EQ(result.status, 0);
+  EXPECT_EQ(result.errors, "");
+  return result.output;
 }
 
 json historyOf(const std::string& file) {
   return json::parse(outputOf({"history", file, "--json"}));
 }
 
-TEST(DocumentApp, EveryCommandHelps) {
+TEST(DocumentApp, EveryCommandHasHelp) {
   const std::string list = outputOf({"--help"});
   for (const char* command : {"new", "history", "undo", "redo", "refine", "set", "turn"}) {
     EXPECT_NE(outputOf({command, "--help"}).find(std::string("airclay ") + command), std::string::npos);
@@ -46,11 +46,11 @@ TEST(DocumentApp, EveryCommandHelps) {
   }
 }
 
-TEST(DocumentApp, NewHoldsWhatItWasTold) {
+TEST(DocumentApp, NewStoresItsOptions) {
   const TemporaryFolder folder;
   const std::string file = folder / "a.clay";
-  const std::string said = outputOf({"new", file});
-  EXPECT_NE(said.find("28 control points, 364 data points"), std::string::npos) << said;
+  const std::string report = outputOf({"new", file});
+  EXPECT_NE(report.find("28 control points, 364 data points"), std::string::npos) << report;
   EXPECT_TRUE(sameClay(Document::open(file).state(), tubeState()));
 
   const std::string other = folder / "b.clay";
@@ -65,7 +65,7 @@ TEST(DocumentApp, NewHoldsWhatItWasTold) {
   EXPECT_EQ(Document::open(folder / "c.clay").state().cage.points[3], Vec3(0, 1, 0.5));
 }
 
-TEST(DocumentApp, NewSaysWhatIsWrongAndLeavesNothing) {
+TEST(DocumentApp, FailedNewLeavesNoFile) {
   const TemporaryFolder folder;
   const std::string file = folder / "a.clay";
   expectRefused({"new"}, 2, "FILE");
@@ -103,8 +103,8 @@ TEST(DocumentApp, HistoryListsTheEdits) {
   EXPECT_EQ(table[table.rfind('\n', now) + 4], '5') << table;
 }
 
-// A document of somebody else's: no byte of a name reaches the terminal as a command to it.
-TEST(DocumentApp, HistoryShowsOddNamesInOneLine) {
+// A foreign document: no byte of a name may reach the terminal as a control character.
+TEST(DocumentApp, HistoryShowsUnusualNamesInOneLine) {
   const TemporaryFolder folder;
   const std::string file = folder.write("a.clay", someDocument(folder));
   alter(file, "UPDATE entry SET name = 'a' || char(10) || char(27) || '[2J' WHERE id = 2");
@@ -120,8 +120,8 @@ TEST(DocumentApp, HistoryShowsOddNamesInOneLine) {
 TEST(DocumentApp, UndoAndRedoMoveThroughTheHistory) {
   const TemporaryFolder folder;
   const std::string file = folder.write("a.clay", someDocument(folder));
-  const std::string said = outputOf({"undo", file});
-  EXPECT_NE(said.find("Push undone; 4 to undo, 3 to redo"), std::string::npos) << said;
+  const std::string report = outputOf({"undo", file});
+  EXPECT_NE(report.find("Push undone; 4 to undo, 3 to redo"), std::string::npos) << report;
   EXPECT_TRUE(sameClay(Document::open(file).state(), afterStroke(tubeState(), 3)));
   outputOf({"undo", file, "--count", "4"});
   EXPECT_TRUE(sameClay(Document::open(file).state(), tubeState()));
@@ -138,10 +138,10 @@ TEST(DocumentApp, RefineIsAnEdit) {
   const TemporaryFolder folder;
   const std::string file = folder / "a.clay";
   outputOf({"new", file});
-  const std::string said = outputOf({"refine", file});
-  EXPECT_NE(said.find("98 control points at level 1, from 28 at level 2; the surface is the same"),
+  const std::string report = outputOf({"refine", file});
+  EXPECT_NE(report.find("98 control points at level 1, from 28 at level 2; the surface is the same"),
             std::string::npos)
-      << said;
+      << report;
   EXPECT_TRUE(sameClay(Document::open(file).state(), refine(tubeState())));
   EXPECT_EQ(historyOf(file)["entries"][1]["name"], "Refine");
   const std::string finer = outputOf({"refine", file});
@@ -155,7 +155,7 @@ TEST(DocumentApp, RefineIsAnEdit) {
   EXPECT_TRUE(sameClay(Document::open(file).state(), tubeState()));
 }
 
-TEST(DocumentApp, SetChangesWhatIsGivenAlone) {
+TEST(DocumentApp, SetChangesOnlyTheGivenOptions) {
   const TemporaryFolder folder;
   const std::string file = folder / "a.clay";
   outputOf({"new", file});
@@ -203,7 +203,7 @@ TEST(DocumentApp, TurnIsARotation) {
   expectRefused({"turn", file, "--axis", "x"}, 2, "--degrees");
 }
 
-TEST(DocumentApp, SaysWhatIsNoDocument) {
+TEST(DocumentApp, RejectsOtherFiles) {
   const TemporaryFolder folder;
   const std::string letter = folder.write("letter.clay", std::string(2000, 'x'));
   for (const char* command : {"history", "undo", "redo", "refine", "set"}) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// `airclay sculpt` with cameras that run: folders of images, played in real time as cameras would.
+// `airclay sculpt` with live cameras: folders of images, played in real time.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -16,32 +16,32 @@
 namespace airclay {
 namespace {
 
-using Words = std::vector<std::string>;
+using Strings = std::vector<std::string>;
 
-// The program has to be ready before the hand comes: 12 s, for the validation layer and a loaded machine. And
-// the hand waits to be found, which takes a software device half a second.
+// The program must be ready before the hand appears: 12 s, for the validation layer and a loaded machine. The
+// hand pauses until it is found, which takes half a second on a CPU device.
 const SmallTake kUnhurried{.empty_frames = 360, .slower = 6};
 
 class LiveApp : public testing::Test {
  protected:
   std::string at(const std::string& name) const { return folder / name; }
-  Ran sculpt(const Words& more) const {
-    Words words = {"sculpt", "--headless"};
-    words.insert(words.end(), more.begin(), more.end());
-    return runAirclay(words, {.environment = {{"AIRCLAY_VALIDATION", "1"}}});
+  RunResult sculpt(const Strings& more) const {
+    Strings arguments = {"sculpt", "--headless"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return runAirclay(arguments, {.environment = {{"AIRCLAY_VALIDATION", "1"}}});
   }
-  /// The options for cameras that are the take's folders.
-  Words live(const std::string& take) const {
-    Words words = {"--rig", at(take + "/rig.toml")};
+  /// Options that use the take's folders as cameras.
+  Strings live(const std::string& take) const {
+    Strings arguments = {"--rig", at(take + "/rig.toml")};
     for (const Camera& camera : readRig(at(take + "/rig.toml")).cameras)
-      words.insert(words.end(), {"--camera", camera.name + "=" + at(take + "/" + camera.name)});
-    return words;
+      arguments.insert(arguments.end(), {"--camera", camera.name + "=" + at(take + "/" + camera.name)});
+    return arguments;
   }
 
   TemporaryFolder folder;
 };
 
-/// How far the farthest of the poses lies from the hand's way.
+/// The largest distance of a pose from the hand's path.
 double farthestFrom(const HandScript& script, double until_s, const std::vector<TimedPose>& poses) {
   double farthest_m = 0;
   for (const TimedPose& pose : poses) {
@@ -54,15 +54,15 @@ double farthestFrom(const HandScript& script, double until_s, const std::vector<
   return farthest_m;
 }
 
-TEST_F(LiveApp, CamerasThatRunAreSculptedWith) {
+TEST_F(LiveApp, SculptsWithLiveCameras) {
   const int frames = writeSmallTake(folder / "take", kUnhurried);
-  Words words = live("take");
-  words.insert(words.end(), {"--out", at("out"), "--record", at("recorded"), "--no-filter"});
-  const Ran ran = sculpt(words);
-  ASSERT_EQ(ran.status, 0) << ran.errors;
-  EXPECT_EQ(ran.errors, "");
+  Strings arguments = live("take");
+  arguments.insert(arguments.end(), {"--out", at("out"), "--record", at("recorded"), "--no-filter"});
+  const RunResult result = sculpt(arguments);
+  ASSERT_EQ(result.status, 0) << result.errors;
+  EXPECT_EQ(result.errors, "");
   const std::vector<TimedPose> poses = readPoses(at("out/poses.tum"));
-  EXPECT_GT(poses.size(), 5u) << ran.output;  // a slow machine leaves frames out
+  EXPECT_GT(poses.size(), 5u) << result.output;  // a slow machine skips frames
   // images of 320 x 240: a pixel is 4 mm wide
   EXPECT_LT(farthestFrom(smallTakeScript(kUnhurried), frames / 30.0, poses), 0.008);
   const PolygonMesh cage = readObj(at("out/cage.obj")), tube = presetCage("tube");
@@ -71,15 +71,15 @@ TEST_F(LiveApp, CamerasThatRunAreSculptedWith) {
     moved_m = std::max(moved_m, (cage.points[i] - tube.points[i]).norm());
   EXPECT_GT(moved_m, 0.003);
 
-  // what was recorded of it makes the same clay
-  const Ran again = runAirclay({"sculpt", at("recorded"), "--headless", "--out", at("again")});
+  // replaying its recording gives the same clay
+  const RunResult again = runAirclay({"sculpt", at("recorded"), "--headless", "--out", at("again")});
   EXPECT_EQ(again.status, 0) << again.errors;
   EXPECT_EQ(contentOf(folder / "out/cage.obj"), contentOf(folder / "again/cage.obj"));
   EXPECT_EQ(contentOf(folder / "out/surface.obj"), contentOf(folder / "again/surface.obj"));
 }
 
-TEST_F(LiveApp, ClocksThatDifferAreTold) {
-  // to and fro about the cube, no way like another
+TEST_F(LiveApp, EstimatesClockOffsets) {
+  // back and forth in the workspace, on a path without repetition
   SmallTake free;
   for (int i = 0; i < 12; ++i)
     free.way.emplace_back(0.08 * std::sin(2.1 * i), 0.06 * std::cos(1.3 * i), 0.05 * std::sin(0.9 * i * i));
@@ -94,37 +94,37 @@ TEST_F(LiveApp, ClocksThatDifferAreTold) {
     for (std::size_t c = 0; c < cameras.size(); ++c)
       times << cameras[c].name << "," << frame / 30.0 + offsets_s[c] << "\n";
   folder.write("take/timestamps.csv", times.str());
-  const Ran ran = runAirclay({"offsets", at("take"), "--json"});
-  ASSERT_EQ(ran.status, 0) << ran.errors;
-  const nlohmann::json said = nlohmann::json::parse(ran.output);
+  const RunResult result = runAirclay({"offsets", at("take"), "--json"});
+  ASSERT_EQ(result.status, 0) << result.errors;
+  const nlohmann::json report = nlohmann::json::parse(result.output);
   for (std::size_t c = 0; c < cameras.size(); ++c) {
-    EXPECT_EQ(said["cameras"][c]["name"], cameras[c].name);
-    EXPECT_NEAR(said["cameras"][c]["offset_ms"].get<double>(), 1000 * offsets_s[c], 2) << c;
+    EXPECT_EQ(report["cameras"][c]["name"], cameras[c].name);
+    EXPECT_NEAR(report["cameras"][c]["offset_ms"].get<double>(), 1000 * offsets_s[c], 2) << c;
   }
   std::filesystem::remove(folder / "take/timestamps.csv");
-  const Ran none = runAirclay({"offsets", at("take")});
+  const RunResult none = runAirclay({"offsets", at("take")});
   EXPECT_EQ(none.status, 1);
   EXPECT_NE(none.errors.find("timestamps.csv"), std::string::npos) << none.errors;
 }
 
-TEST_F(LiveApp, WhatCannotBeIsOneLine) {
+TEST_F(LiveApp, InvalidUseIsAOneLineError) {
   writeSmallTake(folder / "take");
-  const auto refused = [&](const Words& words, int status, const std::string& said) {
-    const Ran ran = sculpt(words);
-    EXPECT_EQ(ran.status, status) << said;
-    EXPECT_EQ(ran.errorLines().size(), 1u) << ran.errors;
-    EXPECT_NE(ran.errors.find(said), std::string::npos) << ran.errors;
+  const auto refused = [&](const Strings& arguments, int status, const std::string& expected) {
+    const RunResult result = sculpt(arguments);
+    EXPECT_EQ(result.status, status) << expected;
+    EXPECT_EQ(result.errorLines().size(), 1u) << result.errors;
+    EXPECT_NE(result.errors.find(expected), std::string::npos) << result.errors;
   };
-  const Words all = live("take");
-  const auto with = [&](Words words, const Words& more) {
-    words.insert(words.end(), more.begin(), more.end());
-    return words;
+  const Strings all = live("take");
+  const auto with = [&](Strings arguments, const Strings& more) {
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
   };
   refused({all.begin() + 2, all.end()}, 2, "--rig");
   refused({all.begin(), all.end() - 2}, 2, "has no source");
   refused(with(all, {"--camera", "other=" + at("take/other")}), 2, "no camera of this name");
   refused(with(all, {at("take")}), 2, "exclude each other");
-  Words gone = all;
+  Strings gone = all;
   gone.back() = gone.back() + "-gone";
   refused(gone, 1, "-gone");
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// `airclay cameras` and `airclay record`, run as a user runs them, on files and on a camera of the network.
+// `airclay cameras` and `airclay record` as a user runs them, on files and a network camera.
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <unistd.h>
@@ -20,24 +20,24 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-using Words = std::vector<std::string>;
+using Strings = std::vector<std::string>;
 
 constexpr int kBackground = 5;
 
-void expectRefused(const Words& words, int status, const std::string& expected) {
-  const Ran ran = runAirclay(words);
-  EXPECT_EQ(ran.status, status) << ran.output;
-  ASSERT_EQ(ran.errorLines().size(), 1u) << ran.errors;
-  EXPECT_NE(ran.errors.find(expected), std::string::npos) << ran.errors;
+void expectRefused(const Strings& arguments, int status, const std::string& expected) {
+  const RunResult result = runAirclay(arguments);
+  EXPECT_EQ(result.status, status) << result.output;
+  ASSERT_EQ(result.errorLines().size(), 1u) << result.errors;
+  EXPECT_NE(result.errors.find(expected), std::string::npos) << result.errors;
 }
 
-json jsonOf(const Words& words) {
-  const Ran ran = runAirclay(words);
-  EXPECT_EQ(ran.status, 0) << ran.errors;
-  return json::parse(ran.output);
+json jsonOf(const Strings& arguments) {
+  const RunResult result = runAirclay(arguments);
+  EXPECT_EQ(result.status, 0) << result.errors;
+  return json::parse(result.output);
 }
 
-/// Three cameras' lossless videos; frame k of camera c is of one grey that no other is.
+/// Lossless videos of three cameras; frame k of camera c has a unique grey level.
 struct Videos {
   TemporaryFolder folder;
   Rig rig;
@@ -56,23 +56,23 @@ struct Videos {
   static std::uint8_t grey(std::size_t camera, int frame) { return std::uint8_t(60 * camera + frame + 1); }
   std::string file(const std::string& name) const { return (folder / ("source/" + name + ".mkv")).string(); }
   std::string out() const { return (folder / "take").string(); }
-  Words record(const Words& more) const {
-    Words words = {"record", "--out", out()};
+  Strings record(const Strings& more) const {
+    Strings arguments = {"record", "--out", out()};
     for (const Camera& camera : rig.cameras) {
-      words.push_back("--camera");
-      words.push_back(camera.name + "=" + file(camera.name));
+      arguments.push_back("--camera");
+      arguments.push_back(camera.name + "=" + file(camera.name));
     }
-    words.insert(words.end(), more.begin(), more.end());
-    return words;
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
   }
-  Words withRig(const Words& more) const {
-    Words words = record(more);
-    words.insert(words.end(), {"--rig", (folder / "source/rig.toml").string()});
-    return words;
+  Strings withRig(const Strings& more) const {
+    Strings arguments = record(more);
+    arguments.insert(arguments.end(), {"--rig", (folder / "source/rig.toml").string()});
+    return arguments;
   }
 };
 
-/// The frames that a take holds of each camera are those from `first` on.
+/// The take's frames of each camera are the source's frames from `first` on.
 void expectFrames(Take& take, const Rig& rig, int first) {
   std::vector<std::vector<std::uint8_t>> images;
   for (const Camera& camera : rig.cameras)
@@ -85,7 +85,7 @@ void expectFrames(Take& take, const Rig& rig, int first) {
   }
 }
 
-TEST(RecordApp, EveryFrameIsThereWithItsTimeAfterTheBackground) {
+TEST(RecordApp, RecordsEveryFrameWithItsTime) {
   const Videos videos;
   const json figures = jsonOf(videos.withRig({"--background", std::to_string(kBackground), "--json"}));
   EXPECT_EQ(figures["sets"], Videos::kFrames - kBackground);
@@ -106,7 +106,7 @@ TEST(RecordApp, EveryFrameIsThereWithItsTimeAfterTheBackground) {
     EXPECT_EQ(int(background[c][0]), int(Videos::grey(c, 2))) << "the mean of frames 0 to 4";
 }
 
-TEST(RecordApp, SecondsEndItAndWithoutARigItIsForCalibration) {
+TEST(RecordApp, SecondsLimitARecordingForCalibration) {
   const Videos videos;
   const json figures = jsonOf(videos.record({"--seconds", "0.5", "--json"}));
   EXPECT_NEAR(figures["seconds"], 0.5, 0.04);
@@ -118,19 +118,19 @@ TEST(RecordApp, SecondsEndItAndWithoutARigItIsForCalibration) {
   expectFrames(take, videos.rig, 0);
 }
 
-TEST(RecordApp, CtrlCEndsItWell) {
+TEST(RecordApp, CtrlCLeavesAReadableTake) {
   const Videos videos;
   RunOptions options;
   options.interrupt_when = [&] { return contentOf(videos.folder / "take/timestamps.csv").size() > 200; };
-  const Ran ran = runAirclay(videos.withRig({"--loop"}), options);
-  EXPECT_EQ(ran.status, 0) << ran.errors;
-  EXPECT_EQ(ran.errors, "");
-  EXPECT_NE(ran.output.find(" sets, "), std::string::npos) << ran.output;
-  Take take(videos.out());  // whole: not read as one that was cut off
+  const RunResult result = runAirclay(videos.withRig({"--loop"}), options);
+  EXPECT_EQ(result.status, 0) << result.errors;
+  EXPECT_EQ(result.errors, "");
+  EXPECT_NE(result.output.find(" sets, "), std::string::npos) << result.output;
+  Take take(videos.out());  // complete: not read as an interrupted take
   EXPECT_GT(take.frameCount(), 2);
 }
 
-TEST(RecordApp, ACameraThatIsLostEndsItAndWhatIsThereCanBeRead) {
+TEST(RecordApp, LostCameraLeavesAReadableTake) {
   const TemporaryFolder folder;
   auto far = std::make_unique<MjpegServer>(ImageSize{64, 48}, 30);
   MjpegServer near({64, 48}, 30);
@@ -154,7 +154,7 @@ TEST(RecordApp, ACameraThatIsLostEndsItAndWhatIsThereCanBeRead) {
   EXPECT_GT(Take(folder / "take").frameCount(), 2);
 }
 
-TEST(RecordApp, WrongWordsAndFaultsAreOneLine) {
+TEST(RecordApp, InvalidUseIsAOneLineError) {
   const Videos videos;
   expectRefused({"record", "--out", videos.out()}, 2, "--camera");
   expectRefused({"record", "--camera", "left", "--out", videos.out()}, 2, "NAME=SOURCE");
@@ -167,7 +167,7 @@ TEST(RecordApp, WrongWordsAndFaultsAreOneLine) {
   expectRefused(videos.record({"--offset", "top=3"}), 2, "--offset");
   expectRefused(videos.record({"--mode", "wide"}), 2, "--mode");
   EXPECT_FALSE(fs::exists(videos.out()));
-  Words into_full = videos.record({});
+  Strings into_full = videos.record({});
   into_full[2] = (videos.folder / "source").string();
   expectRefused(into_full, 1, "something in the folder already");
   const Rig larger = ringRig(3, 128, 96);
@@ -180,15 +180,15 @@ TEST(CamerasApp, ListsOpensAndWatches) {
   const bool no_devices = jsonOf({"cameras", "--json"})["devices"].empty();
   EXPECT_EQ(runAirclay({"cameras"}).output.find("rtsp://") != std::string::npos, no_devices);
   const Videos videos;
-  const Words words = {
+  const Strings arguments = {
       "cameras", "--camera", "left=" + videos.file("cam0"), "--camera", "right=" + videos.file("cam1"),
       "--json"};
-  const json opened = jsonOf(words);
+  const json opened = jsonOf(arguments);
   ASSERT_EQ(opened["cameras"].size(), 2u);
   EXPECT_EQ(opened["cameras"][1]["name"], "right");
   EXPECT_EQ(opened["cameras"][0]["width"], 64);
   EXPECT_NEAR(opened["cameras"][0]["rate_hz"], 30, 1e-6);
-  Words watching = words;
+  Strings watching = arguments;
   watching.insert(watching.end(), {"--loop", "--watch", "2"});
   const json watched = jsonOf(watching);
   EXPECT_EQ(watched["cameras"][0]["state"], "live");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A sculpting that was recorded, played again: the same clay, bit for bit. The recordings here are of the
-// program itself, run as users run it (in the window: tests/studio/studio_test.cpp).
+// Recorded sessions replayed: the same clay, bit for bit. The recordings are made by the program
+// itself, run as users run it (with a window: tests/studio/studio_test.cpp).
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -21,18 +21,18 @@ namespace airclay {
 namespace {
 
 namespace fs = std::filesystem;
-using Words = std::vector<std::string>;
+using Strings = std::vector<std::string>;
 
 class RecordingApp : public testing::Test {
  protected:
   std::string at(const std::string& name) const { return folder / name; }
 
-  Ran run(const Words& words) const {
-    const Ran ran = runAirclay(words, {.environment = {{"AIRCLAY_VALIDATION", "1"}}});
-    EXPECT_EQ(ran.status, 0) << ran.errors;
-    return ran;
+  RunResult run(const Strings& arguments) const {
+    const RunResult result = runAirclay(arguments, {.environment = {{"AIRCLAY_VALIDATION", "1"}}});
+    EXPECT_EQ(result.status, 0) << result.errors;
+    return result;
   }
-  /// Cage and surface as the run left them.
+  /// Cage and surface as the run wrote them.
   std::string clayIn(const std::string& out) const {
     const std::string clay =
         contentOf(folder / (out + "/cage.obj")) + contentOf(folder / (out + "/surface.obj"));
@@ -40,13 +40,13 @@ class RecordingApp : public testing::Test {
     return clay;
   }
   /// The same run as `airclay sculpt take`, recorded into `name`.
-  void record(const std::string& name, const Words& more = {}) {
-    Words words = {"sculpt", at("take"),        "--headless", "--record",        at(name),
-                   "--out",  at(name + "-out"), "--save",     at(name + ".clay")};
-    words.insert(words.end(), more.begin(), more.end());
-    EXPECT_EQ(run(words).errors, "");
+  void record(const std::string& name, const Strings& more = {}) {
+    Strings arguments = {"sculpt", at("take"),        "--headless", "--record",        at(name),
+                         "--out",  at(name + "-out"), "--save",     at(name + ".clay")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    EXPECT_EQ(run(arguments).errors, "");
   }
-  Ran replay(const std::string& name) {
+  RunResult replay(const std::string& name) {
     return run(
         {"sculpt", at(name), "--headless", "--out", at(name + "-again"), "--save", at(name + "-again.clay")});
   }
@@ -62,9 +62,9 @@ class RecordingApp : public testing::Test {
   TemporaryFolder folder;
 };
 
-TEST_F(RecordingApp, AReplayMakesTheSameClay) {
+TEST_F(RecordingApp, ReplayReproducesRecordedClay) {
   writeSmallTake(folder / "take");
-  // every setting that a replay must bring along
+  // all settings that a replay must restore
   record("push");
   EXPECT_EQ(replay("push").errors, "");
   expectSame("push");
@@ -82,14 +82,14 @@ TEST_F(RecordingApp, AReplayMakesTheSameClay) {
   EXPECT_NE(clayIn("smooth-out"), clayIn("push-out"));
 }
 
-TEST_F(RecordingApp, TheSameTakeAndSettingsMakeTheSameClay) {
+TEST_F(RecordingApp, SameTakeAndSettingsGiveSameClay) {
   writeSmallTake(folder / "take");
   for (const char* out : {"a", "b"})
     run({"sculpt", at("take"), "--headless", "--tool", "pull", "--symmetry", "x", "--out", at(out)});
   EXPECT_EQ(clayIn("a"), clayIn("b"));
 }
 
-TEST_F(RecordingApp, TheRecordingIsATakeLikeAnother) {
+TEST_F(RecordingApp, RecordingIsAnOrdinaryTake) {
   const int frames = writeSmallTake(folder / "take");
   folder.write("take/timestamps.csv", [&] {
     const Take take(folder / "take");
@@ -114,8 +114,8 @@ TEST_F(RecordingApp, TheRecordingIsATakeLikeAnother) {
     EXPECT_EQ(source.cameraTimesOf(i), taken.cameraTimesOf(i));
   }
   const auto tracked = [&](const std::string& name) {
-    const Ran ran = run({"track", at(name), "--poses", at(name + ".tum"), "--json"});
-    const nlohmann::json figures = nlohmann::json::parse(ran.output);
+    const RunResult result = run({"track", at(name), "--poses", at(name + ".tum"), "--json"});
+    const nlohmann::json figures = nlohmann::json::parse(result.output);
     EXPECT_NEAR(figures["skew_ms"].get<double>(), 4, 0.01);
     EXPECT_NEAR(figures["worst_skew_ms"].get<double>(), 4, 0.01);
   };
@@ -127,10 +127,10 @@ TEST_F(RecordingApp, TheRecordingIsATakeLikeAnother) {
   EXPECT_NE(clayIn("images-only"), clayIn("mine-out"));
 }
 
-TEST_F(RecordingApp, AnEmptyWorkspaceThatIsLearnedAgainForgetsTheOneBefore) {
+TEST_F(RecordingApp, RelearningReplacesTheBackground) {
   const int frames = writeSmallTake(folder / "take", {.empty_frames = 20});
-  record("first");  // the empty workspace is that of the first ten frames
-  // as if somebody had wanted it learned again after them
+  record("first");  // the first ten frames teach the background
+  // as if the user had requested relearning after them
   fs::copy(folder / "first", folder / "again", fs::copy_options::recursive);
   std::istringstream lines(contentOf(folder / "first/actions.txt"));
   std::string edited, line;
@@ -146,7 +146,7 @@ TEST_F(RecordingApp, AnEmptyWorkspaceThatIsLearnedAgainForgetsTheOneBefore) {
   fs::permissions(folder / "again/actions.txt", fs::perms::owner_write, fs::perm_options::add);
   folder.write("again/actions.txt", edited);
   EXPECT_EQ(replay("again").errors, "");
-  // a take that begins there
+  // a take that starts there
   fs::create_directories(folder / "later");
   fs::copy(folder / "take/rig.toml", folder / "later/rig.toml");
   for (const Camera& camera : readRig(folder / "take/rig.toml").cameras) {
@@ -167,13 +167,13 @@ TEST_F(RecordingApp, AnEmptyWorkspaceThatIsLearnedAgainForgetsTheOneBefore) {
   EXPECT_GT(apart_m("again-again", "first-out"), 1e-5) << "other frames, another background";
 }
 
-TEST_F(RecordingApp, SymmetricClayThatIsTurnedStaysSymmetricAboutItsOwnPlanes) {
+TEST_F(RecordingApp, RotatedClayStaysSymmetricAboutItsOwnPlanes) {
   const Rig rig = demoRig();
   const Vec3& center = rig.workspace.center;
   const Mat3 turn = Eigen::AngleAxisd(0.75, Vec3::UnitZ()).toRotationMatrix();
   ClayState ball = tubeState();
   ball.cage = presetCage("ball");
-  // the hand comes from the side into the clay and goes away again; `about` turns its way
+  // the hand moves from the side into the clay and back; `about` rotates its path
   const auto stroke = [&](const Mat3& about) {
     std::ostringstream lines;
     lines.precision(17);
@@ -211,15 +211,15 @@ TEST_F(RecordingApp, SymmetricClayThatIsTurnedStaysSymmetricAboutItsOwnPlanes) {
   EXPECT_GT(moved_m, 0.01);
   EXPECT_LT(lopsided_m, 1e-5);
   EXPECT_LT(angleBetween(turned.workspace_from_clay.toRotationMatrix(), turn), 1e-12);
-  // undone, the planes are back too: the same stroke does the same, bit for bit
+  // after undo, the planes are restored, too: the same stroke has the same effect, bit for bit
   EXPECT_TRUE(sameClay(played("undone", turned_at_once + stroke(turn) + "undo\nundo\n"), ball));
   EXPECT_TRUE(sameClay(played("anew", turned_at_once + "undo\n" + stroke(Mat3::Identity())), lying));
 }
 
-TEST_F(RecordingApp, KilledItCanBePlayedAsFarAsItGoes) {
+TEST_F(RecordingApp, KilledRecordingReplaysPartially) {
   const int frames = writeSmallTake(folder / "take");
   record("whole");
-  // in the midst of it: after so many lines of actions
+  // in the middle: after a number of lines of actions
   Process program(
       {AIRCLAY_PROGRAM, "sculpt", at("take"), "--headless", "--record", at("cut"), "--out", at("cut-out")},
       {{"TMPDIR", folder.path()}}, folder / "output", folder / "errors");
@@ -231,27 +231,27 @@ TEST_F(RecordingApp, KilledItCanBePlayedAsFarAsItGoes) {
   program.send(SIGKILL);
   EXPECT_EQ(program.waitForExit(), 128 + SIGKILL);
 
-  const Ran ran = replay("cut");
-  ASSERT_EQ(ran.errorLines().size(), 1u + (ran.errorLines().size() > 1))
-      << ran.errors;  // and unequal lengths
-  EXPECT_NE(ran.errors.find("is incomplete"), std::string::npos) << ran.errors;
+  const RunResult result = replay("cut");
+  ASSERT_EQ(result.errorLines().size(), 1u + (result.errorLines().size() > 1))
+      << result.errors;  // and a note on unequal lengths
+  EXPECT_NE(result.errors.find("is incomplete"), std::string::npos) << result.errors;
   const int played = Take(folder / "cut", {.unfinished = true}).frameCount();
   EXPECT_GT(played, 5);
   EXPECT_LT(played, frames);
-  // as the whole recording, cut there
+  // equals the whole recording, cut there
   const std::string poses = contentOf(folder / "cut-again/poses.tum");
   EXPECT_FALSE(poses.empty());
   EXPECT_EQ(contentOf(folder / "whole-out/poses.tum").substr(0, poses.size()), poses);
 }
 
-TEST_F(RecordingApp, WhatCannotBeIsOneLine) {
+TEST_F(RecordingApp, InvalidUseIsAOneLineError) {
   writeSmallTake(folder / "take");
   record("mine");
-  const auto refused = [&](const Words& words, int status, const std::string& expected) {
-    const Ran ran = runAirclay(words);
-    EXPECT_EQ(ran.status, status) << ran.errors;
-    ASSERT_EQ(ran.errorLines().size(), 1u) << ran.errors;
-    EXPECT_NE(ran.errors.find(expected), std::string::npos) << ran.errors;
+  const auto refused = [&](const Strings& arguments, int status, const std::string& expected) {
+    const RunResult result = runAirclay(arguments);
+    EXPECT_EQ(result.status, status) << result.errors;
+    ASSERT_EQ(result.errorLines().size(), 1u) << result.errors;
+    EXPECT_NE(result.errors.find(expected), std::string::npos) << result.errors;
   };
   refused({"sculpt", at("mine"), "--headless", "--tool", "pull", "--out", at("o")}, 2, "--tool");
   refused({"sculpt", at("take"), "--headless", "--record", at("mine"), "--out", at("o")}, 1,

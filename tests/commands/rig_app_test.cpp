@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// `airclay rig` as a user runs it: from one program's files to another's, and what is wrong with a rig.
+// `airclay rig` as a user runs it: conversion between programs' files, and reported problems.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -16,7 +16,7 @@ namespace {
 
 using nlohmann::json;
 
-/// A rig's file, and a recording of it: a sphere's masks.
+/// A rig file, and a recording of it: masks of a sphere.
 struct RigAndTake {
   TemporaryFolder folder;
   Rig rig = ringRig(4, 640, 480);
@@ -43,9 +43,9 @@ struct RigAndTake {
   }
 };
 
-TEST(CheckApp, SaysWhatWouldBeRead) {
+TEST(CheckApp, ReportsWhatWouldBeRead) {
   const RigAndTake scene;
-  const Ran of_rig = runAirclay({"check", scene.file, "--json"});
+  const RunResult of_rig = runAirclay({"check", scene.file, "--json"});
   ASSERT_EQ(of_rig.status, 0) << of_rig.errors << of_rig.output;
   const json rig = json::parse(of_rig.output);
   EXPECT_EQ(rig["kind"], "rig");
@@ -53,12 +53,12 @@ TEST(CheckApp, SaysWhatWouldBeRead) {
   EXPECT_EQ(rig["cameras"][0]["width"], 640);
   EXPECT_TRUE(rig["usable"].get<bool>());
 
-  const Ran of_empty = runAirclay({"check", scene.take, "--json"});  // it has masks, and no rig
+  const RunResult of_empty = runAirclay({"check", scene.take, "--json"});  // masks without a rig
   EXPECT_EQ(of_empty.status, 1);
   EXPECT_NE(of_empty.output.find("rig.toml"), std::string::npos) << of_empty.output;
 
   std::filesystem::copy_file(scene.file, std::filesystem::path(scene.take) / "rig.toml");
-  const Ran of_take = runAirclay({"check", scene.take, "--json"});
+  const RunResult of_take = runAirclay({"check", scene.take, "--json"});
   ASSERT_EQ(of_take.status, 0) << of_take.errors << of_take.output;
   const json take = json::parse(of_take.output);
   EXPECT_EQ(take["kind"], "take");
@@ -70,21 +70,22 @@ TEST(CheckApp, SaysWhatWouldBeRead) {
 TEST(CheckApp, ListsEveryError) {
   const RigAndTake scene;
   const std::string file = scene.changed("bad.toml", "distortions", "distortion");
-  const Ran ran = runAirclay({"check", file});
-  EXPECT_EQ(ran.status, 1);
-  EXPECT_GE(ran.errorLines().size(), 4u) << ran.errors;  // one per camera
+  const RunResult result = runAirclay({"check", file});
+  EXPECT_EQ(result.status, 1);
+  EXPECT_GE(result.errorLines().size(), 4u) << result.errors;  // one per camera
   EXPECT_EQ(runAirclay({"check", (scene.folder / "none").string()}).status, 1);
 }
 
-TEST(RigApp, ConvertsThereAndBackAgain) {
+TEST(RigApp, ConversionRoundTrips) {
   const RigAndTake scene;
   std::string from = scene.file;
   for (const std::string form : {"anipose", "caliscope", "pose2sim", "easymocap", "airclay"}) {
     const std::string out = (scene.folder / (form == "easymocap" ? "easymocap" : form + ".toml")).string();
-    const Ran ran = runAirclay({"rig", "convert", from, "--to", form, "--out", out});
-    ASSERT_EQ(ran.status, 0) << ran.errors;
-    EXPECT_NE(ran.output.find("4 cameras"), std::string::npos) << ran.output;
-    EXPECT_EQ(ran.errorLines().size(), form == "caliscope" ? 4u : 0u) << ran.errors;  // names of its videos
+    const RunResult result = runAirclay({"rig", "convert", from, "--to", form, "--out", out});
+    ASSERT_EQ(result.status, 0) << result.errors;
+    EXPECT_NE(result.output.find("4 cameras"), std::string::npos) << result.output;
+    EXPECT_EQ(result.errorLines().size(), form == "caliscope" ? 4u : 0u)
+        << result.errors;  // names for its videos
     from = out;
   }
   const Rig back = readRig(from);
@@ -102,7 +103,7 @@ TEST(RigApp, ConvertsUnitsSizesAndTheWorkspace) {
   const RigAndTake scene;
   const std::string out = (scene.folder / "out.toml").string();
   const std::string bare = scene.changed("bare.toml", "units = \"m\"", "adjusted = false");
-  const Ran refused = runAirclay({"rig", "convert", bare, "--to", "airclay", "--out", out});
+  const RunResult refused = runAirclay({"rig", "convert", bare, "--to", "airclay", "--out", out});
   EXPECT_EQ(refused.status, 1);
   EXPECT_NE(refused.errors.find("--units"), std::string::npos) << refused.errors;
   ASSERT_EQ(runAirclay({"rig", "convert", bare, "--units", "m", "--edge", "0.4", "--center", "0.1,0,-0.05",
@@ -113,10 +114,10 @@ TEST(RigApp, ConvertsUnitsSizesAndTheWorkspace) {
   EXPECT_EQ(readRig(out).workspace.center, Vec3(0.1, 0, -0.05));
   ASSERT_EQ(runAirclay({"rig", "convert", out, "--center", "auto", "--to", "airclay", "--out", out}).status,
             0);
-  EXPECT_LE(readRig(out).workspace.center.norm(), 1e-9);  // where the ring looks
+  EXPECT_LE(readRig(out).workspace.center.norm(), 1e-9);  // where the ring of cameras looks
 
   const std::string sizeless = scene.changed("sizeless.toml", "size = [640, 480]\n", "");
-  const Ran unknown = runAirclay({"rig", "convert", sizeless, "--to", "airclay", "--out", out});
+  const RunResult unknown = runAirclay({"rig", "convert", sizeless, "--to", "airclay", "--out", out});
   EXPECT_EQ(unknown.status, 1);
   EXPECT_NE(unknown.errors.find("size is missing"), std::string::npos) << unknown.errors;
   ASSERT_EQ(
@@ -125,7 +126,7 @@ TEST(RigApp, ConvertsUnitsSizesAndTheWorkspace) {
   EXPECT_EQ(readRig(out).cameras[3].height, 480);
 }
 
-TEST(RigApp, WrongWordsAreStatusTwo) {
+TEST(RigApp, WrongUsageExitsWithTwo) {
   const RigAndTake scene;
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
       {{"rig"}, "subcommand"},
@@ -138,23 +139,23 @@ TEST(RigApp, WrongWordsAreStatusTwo) {
       {{"rig", "check", scene.file, "--edge", "0"}, "--edge"},
       {{"rig", "check"}, "RIG"},
   };
-  for (const auto& [words, said] : cases) {
-    const Ran ran = runAirclay(words);
-    EXPECT_EQ(ran.status, 2) << said;
-    EXPECT_EQ(ran.errorLines().size(), 1u) << ran.errors;
-    EXPECT_NE(ran.errors.find(said), std::string::npos) << ran.errors;
+  for (const auto& [arguments, expected] : cases) {
+    const RunResult result = runAirclay(arguments);
+    EXPECT_EQ(result.status, 2) << expected;
+    EXPECT_EQ(result.errorLines().size(), 1u) << result.errors;
+    EXPECT_NE(result.errors.find(expected), std::string::npos) << result.errors;
   }
 }
 
-TEST(RigApp, AGoodRigPasses) {
+TEST(RigApp, GoodRigPasses) {
   const RigAndTake scene;
-  const Ran ran = runAirclay({"rig", "check", scene.file});
-  EXPECT_EQ(ran.status, 0);
-  EXPECT_EQ(ran.errors, "");
-  EXPECT_NE(ran.output.find("no problems found"), std::string::npos) << ran.output;
-  EXPECT_NE(ran.output.find("640 x 480"), std::string::npos) << ran.output;
+  const RunResult result = runAirclay({"rig", "check", scene.file});
+  EXPECT_EQ(result.status, 0);
+  EXPECT_EQ(result.errors, "");
+  EXPECT_NE(result.output.find("no problems found"), std::string::npos) << result.output;
+  EXPECT_NE(result.output.find("640 x 480"), std::string::npos) << result.output;
 
-  const Ran with_take = runAirclay({"rig", "check", scene.file, scene.take, "--json"});
+  const RunResult with_take = runAirclay({"rig", "check", scene.file, scene.take, "--json"});
   EXPECT_EQ(with_take.status, 0) << with_take.errors;
   const json report = json::parse(with_take.output);
   EXPECT_EQ(report.at("ok"), true);
@@ -166,14 +167,14 @@ TEST(RigApp, AGoodRigPasses) {
   EXPECT_GE(camera.at("explained"), 0.99);
 }
 
-TEST(RigApp, AWrongRigFailsWithAllThatIsWrong) {
+TEST(RigApp, WrongRigFailsWithAllErrors) {
   RigAndTake scene;
   for (Camera& camera : scene.rig.cameras) camera.camera_from_world = camera.camera_from_world.inverse();
   writeRig(scene.file, scene.rig);
-  const Ran ran = runAirclay({"rig", "check", scene.file, scene.take, "--json"});
-  EXPECT_EQ(ran.status, 1);
-  EXPECT_EQ(ran.errorLines().size(), 1u) << ran.errors;
-  const json report = json::parse(ran.output);
+  const RunResult result = runAirclay({"rig", "check", scene.file, scene.take, "--json"});
+  EXPECT_EQ(result.status, 1);
+  EXPECT_EQ(result.errorLines().size(), 1u) << result.errors;
+  const json report = json::parse(result.output);
   EXPECT_EQ(report.at("ok"), false);
   int faults = 0, suspicions = 0, inverse = 0;
   for (const json& finding : report.at("findings")) {
@@ -183,12 +184,12 @@ TEST(RigApp, AWrongRigFailsWithAllThatIsWrong) {
   }
   EXPECT_GE(faults, 1);
   EXPECT_GE(suspicions, 1);
-  EXPECT_EQ(inverse, 2) << report.dump(1);  // seen from the cube, and from the silhouettes
+  EXPECT_EQ(inverse, 2) << report.dump(1);  // reported by the workspace check and by the silhouettes
 
-  const Ran quiet = runAirclay({"rig", "check", scene.file, "--quiet"});
+  const RunResult quiet = runAirclay({"rig", "check", scene.file, "--quiet"});
   EXPECT_EQ(quiet.output, "");
   EXPECT_EQ(quiet.status, 1);
-  const Ran missing = runAirclay({"rig", "check", (scene.folder / "none.toml").string()});
+  const RunResult missing = runAirclay({"rig", "check", (scene.folder / "none.toml").string()});
   EXPECT_EQ(missing.status, 1);
   EXPECT_NE(missing.errors.find("none.toml"), std::string::npos) << missing.errors;
 }

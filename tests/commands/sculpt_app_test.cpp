@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The main job as a whole program: from pixels in files to poses, surface, images and video, against the
-// known truth.
+// The main job as a whole program: from pixels in files to poses, surface, images and video, compared with
+// the known truth.
 #include <gtest/gtest.h>
 
 #include <signal.h>
@@ -24,9 +24,9 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kFrames = 15;  // with the hand: enough to find it and to follow it
+constexpr int kFrames = 15;  // with the hand: enough to find and follow it
 
-/// Median and worst of what poses are off the truth of the same time.
+/// Median and maximum error of poses against the truth at the same times.
 struct PoseErrors {
   double median_mm = 0, worst_mm = 0, median_deg = 0;
 };
@@ -48,7 +48,7 @@ PoseErrors errorsOf(const std::vector<TimedPose>& poses, const std::vector<Timed
   return {mm[mm.size() / 2], mm.back(), deg[deg.size() / 2]};
 }
 
-/// The demo's first frames as a recording on disk: images without loss, rig and truth.
+/// The demo's first frames as a recording on disk: lossless images, rig and truth.
 struct RecordedDemo {
   TemporaryFolder folder;
   int background_frames = 0, frames = 0;
@@ -84,11 +84,11 @@ struct RecordedDemo {
 TEST(SculptApp, TrackFollowsTheHandOfARecording) {
   const RecordedDemo take(kFrames);
   const std::string poses = take.folder / "poses.tum";
-  const Ran ran =
+  const RunResult result =
       runAirclay({"track", take.path(), "--background", take.background(), "--poses", poses, "--json"});
-  ASSERT_EQ(ran.status, 0) << ran.errors;
-  EXPECT_EQ(ran.errors, "");
-  const json figures = json::parse(ran.output);
+  ASSERT_EQ(result.status, 0) << result.errors;
+  EXPECT_EQ(result.errors, "");
+  const json figures = json::parse(result.output);
   EXPECT_EQ(figures["frames"], take.frames);
   EXPECT_EQ(figures["empty"], take.background_frames);
   EXPECT_EQ(figures["tracked"], kFrames);
@@ -100,24 +100,24 @@ TEST(SculptApp, TrackFollowsTheHandOfARecording) {
   const PoseErrors errors = errorsOf(readPoses(poses), readPoses(take.folder / "truth.tum"));
   EXPECT_LT(errors.median_mm, 2);
   EXPECT_LT(errors.median_deg, 1);
-  EXPECT_NEAR(figures["worst_error_mm"], errors.worst_mm, 1e-3);  // of the file's six decimals
+  EXPECT_NEAR(figures["worst_error_mm"], errors.worst_mm, 1e-3);  // the file has six decimals
 }
 
-TEST(SculptApp, EndedEarlyItLeavesNothing) {
+TEST(SculptApp, EarlyTerminationLeavesNoFiles) {
   const RecordedDemo take(kFrames);
   const std::filesystem::path out = take.folder / "out";
   std::filesystem::create_directory(out);
-  const Ran ran = runAirclay(
+  const RunResult result = runAirclay(
       {"track", take.path(), "--background", take.background(), "--poses", (out / "poses.tum").string()},
       {.environment = {}, .terminate_after_ms = 500});
-  EXPECT_EQ(ran.status, 128 + 15);
+  EXPECT_EQ(result.status, 128 + 15);
   EXPECT_TRUE(std::filesystem::is_empty(out));
 }
 
-/// Ctrl-C once a file of this name stands in the folder: one line, status 130, and nothing half written.
-void expectInterrupted(const std::vector<std::string>& words, const std::filesystem::path& out,
+/// Ctrl-C once a file with this name exists in the folder: one line, status 130, and no partial files.
+void expectInterrupted(const std::vector<std::string>& arguments, const std::filesystem::path& out,
                        const std::string& name) {
-  SCOPED_TRACE(words.at(0));
+  SCOPED_TRACE(arguments.at(0));
   const auto begun = [&] {
     std::error_code ignored;
     for (const auto& entry : std::filesystem::directory_iterator(out, ignored))
@@ -126,21 +126,21 @@ void expectInterrupted(const std::vector<std::string>& words, const std::filesys
   };
   RunOptions options;
   options.interrupt_when = begun;
-  const Ran ran = runAirclay(words, options);
-  EXPECT_EQ(ran.status, 128 + SIGINT);
-  EXPECT_EQ(ran.errors, "airclay: interrupted\n");
+  const RunResult result = runAirclay(arguments, options);
+  EXPECT_EQ(result.status, 128 + SIGINT);
+  EXPECT_EQ(result.errors, "airclay: interrupted\n");
   for (const auto& entry : std::filesystem::directory_iterator(out)) {
     const std::string left = entry.path().filename();
     EXPECT_EQ(left.find(".part-"), std::string::npos) << left;
     EXPECT_EQ(left.find("unfinished"), std::string::npos) << left;
     EXPECT_FALSE(left.ends_with(".mp4")) << left;
     if (left.ends_with(".png")) {
-      EXPECT_GT(imageSize(entry.path()).width, 0) << left;  // checks its end, too
+      EXPECT_GT(imageSize(entry.path()).width, 0) << left;  // also checks that the file is complete
     }
   }
 }
 
-TEST(SculptApp, CtrlCEndsItCleanly) {
+TEST(SculptApp, CtrlCEndsSculptCleanly) {
   const RecordedDemo take(kFrames);
   const TemporaryFolder folder;
   const std::string out = folder / "out";
@@ -159,20 +159,21 @@ TEST(SculptApp, CtrlCEndsAnExportCleanly) {
   RunOptions options;
   const auto since = std::chrono::steady_clock::now();
   options.interrupt_when = [&] { return std::chrono::steady_clock::now() - since > std::chrono::seconds(1); };
-  const Ran ran = runAirclay({"export", "ball", "--levels", "7", "--out", large}, options);  // 400,000 points
-  EXPECT_EQ(ran.status, 128 + SIGINT);
-  EXPECT_EQ(ran.errors, "airclay: interrupted\n");
+  const RunResult result =
+      runAirclay({"export", "ball", "--levels", "7", "--out", large}, options);  // 400,000 points
+  EXPECT_EQ(result.status, 128 + SIGINT);
+  EXPECT_EQ(result.errors, "airclay: interrupted\n");
   EXPECT_TRUE(std::filesystem::is_empty(folder / "out"));
 }
 
 TEST(SculptApp, DemoSculptsFromPixels) {
   const TemporaryFolder folder;
   const std::filesystem::path out = folder / "demo";
-  const Ran ran = runAirclay({"demo", "--out", out.string()});
-  ASSERT_EQ(ran.status, 0) << ran.errors;
-  EXPECT_EQ(ran.errors, "");
-  EXPECT_NE(ran.output.find(" Hz"), std::string::npos) << ran.output;
-  EXPECT_NE(ran.output.find(" 0 lost"), std::string::npos) << ran.output;
+  const RunResult result = runAirclay({"demo", "--out", out.string()});
+  ASSERT_EQ(result.status, 0) << result.errors;
+  EXPECT_EQ(result.errors, "");
+  EXPECT_NE(result.output.find(" Hz"), std::string::npos) << result.output;
+  EXPECT_NE(result.output.find(" 0 lost"), std::string::npos) << result.output;
 
   const std::vector<TimedPose> truth = *Synthetic(testGpu()).truth();
   const std::vector<TimedPose> poses = readPoses(out / "poses.tum");
@@ -181,7 +182,7 @@ TEST(SculptApp, DemoSculptsFromPixels) {
   EXPECT_LT(errors.median_mm, 2);
   EXPECT_LT(errors.median_deg, 1);
 
-  // the clay was moved, and surface and cage belong together: d = A p
+  // the clay moved, and surface and cage satisfy d = A p
   const PolygonMesh start = presetCage("tube"), cage = readObj(out / "cage.obj");
   const PolygonMesh surface = readObj(out / "surface.obj");
   const StencilMatrix matrix = subdivide(start, 2, SubdivisionRule::kCatmullClark).matrix;
@@ -203,16 +204,17 @@ TEST(SculptApp, DemoSculptsFromPixels) {
   EXPECT_GE(video->frameCount(), static_cast<int>(poses.size()));
 }
 
-TEST(SculptApp, SculptDoesAsItIsTold) {
+TEST(SculptApp, SculptFollowsItsOptions) {
   const RecordedDemo take(10);
   const TemporaryFolder folder;
   const std::filesystem::path out = folder / "out", video = folder / "film.mp4";
-  const Ran ran = runAirclay({"sculpt",      take.path(),  "--background",   take.background(), "--clay",
-                              "ball",        "--place",    "0.05,-0.1,0.02", "--size",          "0.08",
-                              "--levels",    "1",          "--rule",         "printed",         "--solve",
-                              "touched",     "--headless", "--out",          out.string(),      "--video",
-                              video.string()});
-  ASSERT_EQ(ran.status, 0) << ran.errors;
+  const RunResult result =
+      runAirclay({"sculpt",      take.path(),  "--background",   take.background(), "--clay",
+                  "ball",        "--place",    "0.05,-0.1,0.02", "--size",          "0.08",
+                  "--levels",    "1",          "--rule",         "printed",         "--solve",
+                  "touched",     "--headless", "--out",          out.string(),      "--video",
+                  video.string()});
+  ASSERT_EQ(result.status, 0) << result.errors;
   const PolygonMesh ball = presetCage("ball");
   const Subdivision subdivision = subdivide(ball, 1, SubdivisionRule::kPrinted);
   const PolygonMesh surface = readObj(out / "surface.obj"), cage = readObj(out / "cage.obj");
@@ -226,17 +228,17 @@ TEST(SculptApp, SculptDoesAsItIsTold) {
   EXPECT_EQ(openFrames(folder.path(), "film")->frameCount(), take.frames);
 }
 
-TEST(SculptApp, ClayOutsideTheWorkspaceIsWarnedOf) {
+TEST(SculptApp, WarnsOfClayOutsideTheWorkspace) {
   const RecordedDemo take(1);
-  const Ran ran = runAirclay({"sculpt", take.path(), "--background", take.background(), "--place", "0.3,0,0",
-                              "--out", take.folder / "out"});
-  EXPECT_EQ(ran.status, 0);
-  ASSERT_EQ(ran.errorLines().size(), 1u) << ran.errors;
-  EXPECT_NE(ran.errors.find("outside the workspace"), std::string::npos);
+  const RunResult result = runAirclay({"sculpt", take.path(), "--background", take.background(), "--place",
+                                       "0.3,0,0", "--out", take.folder / "out"});
+  EXPECT_EQ(result.status, 0);
+  ASSERT_EQ(result.errorLines().size(), 1u) << result.errors;
+  EXPECT_NE(result.errors.find("outside the workspace"), std::string::npos);
 }
 
 TEST(SculptApp, CompareAndBenchPrintTheirKeys) {
-  const Ran compared = runAirclay({"compare", "--json"});
+  const RunResult compared = runAirclay({"compare", "--json"});
   EXPECT_EQ(compared.status, 0) << compared.errors;
   const json kernels = json::parse(compared.output)["kernels"];
   EXPECT_GT(kernels.size(), 4u);
@@ -244,7 +246,7 @@ TEST(SculptApp, CompareAndBenchPrintTheirKeys) {
     EXPECT_EQ(kernel["pass"], true) << kernel;
     EXPECT_LE(kernel["error"], kernel["tolerance"]) << kernel;
   }
-  const Ran timed = runAirclay({"bench", "--json"});
+  const RunResult timed = runAirclay({"bench", "--json"});
   EXPECT_EQ(timed.status, 0) << timed.errors;
   const json stages = json::parse(timed.output)["stages"];
   EXPECT_TRUE(std::any_of(stages.begin(), stages.end(), [](const json& s) { return s["name"] == "frame"; }));

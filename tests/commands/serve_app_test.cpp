@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// `airclay serve`, run as a user runs it, and its streams, taken as cameras over the loopback.
+// `airclay serve` as a user runs it, and its streams as cameras over the loopback interface.
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -18,15 +18,15 @@ namespace airclay {
 namespace {
 
 using nlohmann::json;
-using Words = std::vector<std::string>;
+using Strings = std::vector<std::string>;
 
 constexpr ImageSize kSize = {320, 240};
 constexpr int kFrames = 60;
-// Two codings, one after the other, of a smooth image. Another frame's, or another camera's, has less
+// A smooth image encoded twice. Another frame, or another camera's, has less
 // than 20.
 constexpr double kLeastPsnrDb = 30;
 
-/// Frame k of a camera: its colours, which wander, below a bar that is white from column 4 k on.
+/// Frame k of a camera: changing colours below a bar that is white from column 4 k on.
 std::vector<std::uint8_t> frame(int camera, int k) {
   std::vector<std::uint8_t> bgr(3 * std::size_t(kSize.width) * std::size_t(kSize.height));
   for (std::size_t i = 0; i < bgr.size(); ++i) {
@@ -37,14 +37,14 @@ std::vector<std::uint8_t> frame(int camera, int k) {
   return bgr;
 }
 
-/// Which frame an image is.
+/// The index of a frame, read from its bar.
 int frameOf(const LiveImage& image) {
   int black = 0;
   for (int x = 0; x < kSize.width; ++x) black += image.bgr[std::size_t(3 * (8 * kSize.width + x))] < 128;
   return static_cast<int>(std::lround(black / 4.0));
 }
 
-/// How like an image is to the frame that its bar says it is.
+/// PSNR of an image against the frame that its bar names.
 double psnrDb(const LiveImage& image, int camera) {
   const std::vector<std::uint8_t> truth = frame(camera, frameOf(image));
   if (image.size != kSize) return 0;
@@ -53,14 +53,14 @@ double psnrDb(const LiveImage& image, int camera) {
   return 10 * std::log10(255 * 255 * double(truth.size()) / std::max(squares, 1.0));
 }
 
-/// A server that runs beside the test.
+/// A server process.
 class Server {
  public:
-  explicit Server(const Words& cameras, int port = 0, const Words& more = {}) {
-    Words words = {AIRCLAY_PROGRAM, "serve", "--port", std::to_string(port)};
-    for (const std::string& camera : cameras) words.insert(words.end(), {"--camera", camera});
-    words.insert(words.end(), more.begin(), more.end());
-    program_ = std::make_unique<Process>(words, std::map<std::string, std::string>{}, folder_ / "output",
+  explicit Server(const Strings& cameras, int port = 0, const Strings& more = {}) {
+    Strings arguments = {AIRCLAY_PROGRAM, "serve", "--port", std::to_string(port)};
+    for (const std::string& camera : cameras) arguments.insert(arguments.end(), {"--camera", camera});
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    program_ = std::make_unique<Process>(arguments, std::map<std::string, std::string>{}, folder_ / "output",
                                          folder_ / "errors");
     waitUntil([&] { return output().find("Ctrl-C") != std::string::npos || !program_->running(); });
     const std::size_t at = output().find("rtsp://127.0.0.1:");
@@ -95,7 +95,7 @@ class ServeApp : public testing::Test {
   std::string camera(const std::string& name) const {
     return name + "=" + (folder / (name + ".mp4")).string();
   }
-  Words both() const { return {camera("left"), camera("right")}; }
+  Strings both() const { return {camera("left"), camera("right")}; }
 
   TemporaryFolder folder;
 };
@@ -106,7 +106,7 @@ std::optional<LiveSet> completeSet(LiveCameras& cameras) {
   return set && set->complete ? set : std::nullopt;
 }
 
-TEST_F(ServeApp, ImagesArriveAsTheyWere) {
+TEST_F(ServeApp, ImagesArriveUnchanged) {
   const Server server(both(), 0, {"--loop"});
   LiveCameras cameras({liveCamera(server.source("left")), liveCamera(server.source("right"))});
   for (const CameraStatus& one : cameras.status()) {
@@ -124,12 +124,12 @@ TEST_F(ServeApp, ImagesArriveAsTheyWere) {
   }
 }
 
-TEST_F(ServeApp, AnotherAirclayTakesItsStreamsAsCameras) {
+TEST_F(ServeApp, StreamsWorkAsCameras) {
   const Server server(both(), 0, {"--loop"});
-  const Ran ran = runAirclay({"cameras", "--camera", "a=" + server.address("left"), "--camera",
-                              "b=" + server.address("right"), "--watch", "3", "--json"});
-  ASSERT_EQ(ran.status, 0) << ran.errors;
-  const json watched = json::parse(ran.output);
+  const RunResult result = runAirclay({"cameras", "--camera", "a=" + server.address("left"), "--camera",
+                                       "b=" + server.address("right"), "--watch", "3", "--json"});
+  ASSERT_EQ(result.status, 0) << result.errors;
+  const json watched = json::parse(result.output);
   for (const json& one : watched["cameras"]) {
     EXPECT_EQ(one["width"], kSize.width);
     EXPECT_EQ(one["height"], kSize.height);
@@ -139,7 +139,7 @@ TEST_F(ServeApp, AnotherAirclayTakesItsStreamsAsCameras) {
   EXPECT_GT(watched["sets"], 10);
 }
 
-TEST_F(ServeApp, SeveralWatchOneCameraAndEachMayComeLate) {
+TEST_F(ServeApp, SeveralClientsShareACamera) {
   const Server server({camera("left")}, 0, {"--loop"});
   std::vector<std::unique_ptr<CameraSource>> watchers;
   for (int n = 0; n < 3; ++n) {
@@ -153,7 +153,7 @@ TEST_F(ServeApp, SeveralWatchOneCameraAndEachMayComeLate) {
   }
 }
 
-TEST_F(ServeApp, CaptureTimesAreTheCamerasNotTheNetworks) {
+TEST_F(ServeApp, TimestampsExcludeNetworkDelay) {
   const Server server({camera("left")}, 0, {"--loop"});
   const auto source = openSource(server.source("left"));
   LiveImage image;
@@ -169,15 +169,16 @@ TEST_F(ServeApp, CaptureTimesAreTheCamerasNotTheNetworks) {
     before = now;
     off_s.push_back(capture_s - first_s - frames / 30.0);
   }
-  // The delay is learnt from the quickest arrivals, so it falls; later the times are as even as the file's.
+  // The delay estimate uses the fastest arrivals, so it decreases; later the times are as regular as the
+  // file's.
   const auto [least, most] = std::minmax_element(off_s.end() - 20, off_s.end());
   EXPECT_LT(*most - *least, 0.01) << "while arrivals wander by whole frames on a loaded machine";
 }
 
-/// Four colours, as far apart as they go, a quarter each.
+/// Four saturated colours, a quarter each.
 constexpr std::uint8_t kQuarters[4][3] = {{200, 40, 40}, {40, 200, 40}, {40, 40, 200}, {40, 200, 200}};
 
-TEST_F(ServeApp, ColoursAreRightInAnySize) {
+TEST_F(ServeApp, ColoursAreCorrectAtAnySize) {
   for (const ImageSize size : {ImageSize{161, 121}, ImageSize{1280, 720}}) {
     const std::string name = "w" + std::to_string(size.width);
     std::filesystem::create_directory(folder / name);
@@ -207,9 +208,9 @@ TEST_F(ServeApp, ColoursAreRightInAnySize) {
   }
 }
 
-TEST_F(ServeApp, AServerThatIsKilledIsNamedAndRejoins) {
+TEST_F(ServeApp, KilledServerIsReportedAndRejoins) {
   const Server stays({camera("right")}, 0, {"--loop"});
-  auto dies = std::make_unique<Server>(Words{camera("left")}, 0, Words{"--loop"});
+  auto dies = std::make_unique<Server>(Strings{camera("left")}, 0, Strings{"--loop"});
   const int port = dies->port();
   LiveCameras cameras({liveCamera(dies->source("left")), liveCamera(stays.source("right"))});
   ASSERT_TRUE(completeSet(cameras));
@@ -221,14 +222,14 @@ TEST_F(ServeApp, AServerThatIsKilledIsNamedAndRejoins) {
   const std::uint64_t frames = cameras.status()[1].frames;
   EXPECT_TRUE(waitUntil([&] { return cameras.status()[1].frames > frames + 10; })) << "the other goes on";
   EXPECT_EQ(cameras.status()[1].reconnects, 0);
-  dies = std::make_unique<Server>(Words{camera("left")}, port, Words{"--loop"});
+  dies = std::make_unique<Server>(Strings{camera("left")}, port, Strings{"--loop"});
   const auto set = completeSet(cameras);
   ASSERT_TRUE(set) << "it rejoins";
   EXPECT_GT(psnrDb(set->images[0], 0), kLeastPsnrDb);
   EXPECT_GE(cameras.status()[0].reconnects, 1);
 }
 
-TEST_F(ServeApp, AServerThatFallsSilentIsLostNotWaitedForWithoutEnd) {
+TEST_F(ServeApp, SilentServerCountsAsLost) {
   Server server({camera("left")}, 0, {"--loop"});
   const auto source = openSource(server.source("left"));
   LiveImage image;
@@ -245,7 +246,7 @@ TEST_F(ServeApp, AServerThatFallsSilentIsLostNotWaitedForWithoutEnd) {
   server.program().send(SIGCONT);
 }
 
-TEST_F(ServeApp, ACameraThatIsLostIsNamedWhileTheOthersGoOn) {
+TEST_F(ServeApp, LostCameraIsReportedWhileOthersContinue) {
   auto far = std::make_unique<MjpegServer>(ImageSize{64, 48}, 30);
   const int port = far->port();
   const Server server({camera("left"), "far=http://127.0.0.1:" + std::to_string(port) + "/"}, 0, {"--loop"});
@@ -267,7 +268,7 @@ TEST_F(ServeApp, ACameraThatIsLostIsNamedWhileTheOthersGoOn) {
   EXPECT_EQ(openSource(server.source("far"))->size(), (ImageSize{64, 48}));
 }
 
-TEST_F(ServeApp, CtrlCEndsItWellWhileSomebodyWatches) {
+TEST_F(ServeApp, CtrlCEndsServerWithClients) {
   Server server(both(), 0, {"--loop"});
   const auto source = openSource(server.source("left"));
   LiveImage image;
@@ -281,13 +282,13 @@ TEST_F(ServeApp, CtrlCEndsItWellWhileSomebodyWatches) {
   EXPECT_NE(server.output().find("right 0"), std::string::npos) << "nobody watched: nothing was coded";
 }
 
-TEST_F(ServeApp, ItEndsAfterItsSecondsAndWithItsFiles) {
-  const auto figures = [&](const Words& more) {
-    Words words = {"serve", "--port", "0", "--json", "--camera", camera("left")};
-    words.insert(words.end(), more.begin(), more.end());
-    const Ran ran = runAirclay(words);
-    EXPECT_EQ(ran.status, 0) << ran.errors;
-    return json::parse(ran.output)["cameras"][0];
+TEST_F(ServeApp, EndsAfterSecondsOrWithItsFiles) {
+  const auto figures = [&](const Strings& more) {
+    Strings arguments = {"serve", "--port", "0", "--json", "--camera", camera("left")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const RunResult result = runAirclay(arguments);
+    EXPECT_EQ(result.status, 0) << result.errors;
+    return json::parse(result.output)["cameras"][0];
   };
   const json some = figures({"--loop", "--seconds", "0.5"});
   EXPECT_EQ(some["name"], "left");
@@ -296,14 +297,14 @@ TEST_F(ServeApp, ItEndsAfterItsSecondsAndWithItsFiles) {
   EXPECT_EQ(figures({})["frames"], kFrames);
 }
 
-void expectRefused(const Words& words, int status, const std::string& expected) {
-  const Ran ran = runAirclay(words);
-  EXPECT_EQ(ran.status, status) << ran.output;
-  ASSERT_EQ(ran.errorLines().size(), 1u) << ran.errors;
-  EXPECT_NE(ran.errors.find(expected), std::string::npos) << ran.errors;
+void expectRefused(const Strings& arguments, int status, const std::string& expected) {
+  const RunResult result = runAirclay(arguments);
+  EXPECT_EQ(result.status, status) << result.output;
+  ASSERT_EQ(result.errorLines().size(), 1u) << result.errors;
+  EXPECT_NE(result.errors.find(expected), std::string::npos) << result.errors;
 }
 
-TEST_F(ServeApp, WhatCannotBeIsOneLine) {
+TEST_F(ServeApp, InvalidUseIsAOneLineError) {
   const Server server({camera("left")}, 0, {"--loop"});
   const std::string port = std::to_string(server.port()), left = camera("left");
   expectRefused({"cameras", "--camera", "a=" + server.address("nobody")}, 1, "Not Found (404)");
@@ -318,22 +319,22 @@ TEST_F(ServeApp, WhatCannotBeIsOneLine) {
   expectRefused({"serve"}, 2, "--camera");
 }
 
-TEST_F(ServeApp, OnANetworkItSaysWhoCanWatch) {
-  const Ran ran = runAirclay({"serve", "--camera", camera("left"), "--loop", "--address", "0.0.0.0", "--port",
-                              "0", "--seconds", "0.1"});
-  EXPECT_EQ(ran.status, 0);
-  ASSERT_EQ(ran.errorLines().size(), 1u) << ran.errors;
-  EXPECT_NE(ran.errors.find("anyone who reaches port "), std::string::npos) << ran.errors;
+TEST_F(ServeApp, ReportsWhoCanConnect) {
+  const RunResult result = runAirclay({"serve", "--camera", camera("left"), "--loop", "--address", "0.0.0.0",
+                                       "--port", "0", "--seconds", "0.1"});
+  EXPECT_EQ(result.status, 0);
+  ASSERT_EQ(result.errorLines().size(), 1u) << result.errors;
+  EXPECT_NE(result.errors.find("anyone who reaches port "), std::string::npos) << result.errors;
 }
 
 // ---------------------------------------------------------------------------------------------- pipelines
 
-TEST(Pipeline, ImagesAndFaultsAreTold) {
-  const auto open = [](const std::string& words) { return openSource({"left", parseSource(words)}); };
+TEST(Pipeline, ReportsImagesAndErrors) {
+  const auto open = [](const std::string& arguments) { return openSource({"left", parseSource(arguments)}); };
   const std::string red =
       "videotestsrc is-live=true pattern=red ! video/x-raw,width=65,height=49,framerate=20/1";
-  for (const std::string& words : {red, red + " ! videoconvert ! video/x-raw,format=BGR ! appsink"}) {
-    const auto source = open("gst: " + words);
+  for (const std::string& arguments : {red, red + " ! videoconvert ! video/x-raw,format=BGR ! appsink"}) {
+    const auto source = open("gst: " + arguments);
     EXPECT_EQ(source->size(), (ImageSize{65, 49}));
     EXPECT_NEAR(source->rateHz(), 20, 1e-9);
     LiveImage image;
@@ -347,8 +348,8 @@ TEST(Pipeline, ImagesAndFaultsAreTold) {
     EXPECT_NEAR(image.bgr[last], 0, 3);
     EXPECT_NEAR(image.bgr[last + 2], 255, 3);
   }
-  const auto refused = [&](const std::string& words, const std::string& expected) {
-    const std::string message = messageOf([&] { open(words); });
+  const auto refused = [&](const std::string& arguments, const std::string& expected) {
+    const std::string message = messageOf([&] { open(arguments); });
     EXPECT_EQ(message.find("camera \"left\" ("), 0u) << message;
     EXPECT_NE(message.find(expected), std::string::npos) << message;
     EXPECT_EQ(message.find('\n'), std::string::npos) << message;
@@ -357,7 +358,7 @@ TEST(Pipeline, ImagesAndFaultsAreTold) {
   refused("gst: videotestsrc ! nothing", "cannot be run");
   refused("gst: videotestsrc ! fakesink name=appsink", "has no appsink");
   refused("gst: videotestsrc ! appsink", "not BGR");
-  refused("gst: appsrc", "gives no image");  // OpenCV would wait for ever
+  refused("gst: appsrc", "gives no image");  // OpenCV would wait forever
 }
 
 }  // namespace

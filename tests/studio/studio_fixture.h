@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The studio as somebody uses it: the built program in a window on a display of its own, mouse and keyboard
-// as a hand would move them. What it did is looked up in its log, its documents and its files; the validation
-// layer watches throughout, and whatever it said would stand on standard error.
+// The studio in use: the built program in a window on its own display, with simulated mouse and keyboard. Its
+// log, documents and files show the effects. The validation layer runs throughout and reports to standard
+// error.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ namespace airclay {
 class Studio : public testing::Test {
  protected:
   using json = nlohmann::json;
-  using Words = std::vector<std::string>;
+  using Strings = std::vector<std::string>;
 
   void SetUp() override {
     if (!Desktop::possible())
@@ -30,11 +30,11 @@ class Studio : public testing::Test {
 
   std::string at(const std::string& name) const { return folder / name; }
 
-  /// Opens the window; `words` follow `airclay sculpt`.
-  void start(const Words& words) {
+  /// Opens the window; `arguments` follow `airclay sculpt`.
+  void start(const Strings& arguments) {
     std::filesystem::remove(log_file);
-    Words all = {AIRCLAY_PROGRAM, "sculpt", "--log", log_file};
-    all.insert(all.end(), words.begin(), words.end());
+    Strings all = {AIRCLAY_PROGRAM, "sculpt", "--log", log_file};
+    all.insert(all.end(), arguments.begin(), arguments.end());
     std::map<std::string, std::string> environment = desktop->environment();
     environment["XDG_CONFIG_HOME"] = at("config");
     environment["XDG_STATE_HOME"] = at("state");
@@ -43,12 +43,12 @@ class Studio : public testing::Test {
     desktop->findWindow("^Airclay");
     ASSERT_TRUE(sees([](const json&) { return true; })) << errors();
   }
-  void startWithoutHint(const Words& words) {
+  void startWithoutHint(const Strings& arguments) {
     folder.write("config/airclay/studio.toml", "first_run = false\n");
-    start(words);
+    start(arguments);
   }
 
-  /// By the window manager, as with the window's own button.
+  /// Through the window manager, like the window's close button.
   void close() {
     desktop->key("alt+F4");
     EXPECT_EQ(program->waitForExit(), 0);
@@ -57,14 +57,14 @@ class Studio : public testing::Test {
 
   std::string errors() const { return readWhole(folder / "errors", kMaxDocumentBytes); }
 
-  /// The last whole line; null when there is none yet.
+  /// The last complete line; null if there is none yet.
   json log() const {
     if (!std::filesystem::exists(log_file)) return nullptr;
     std::string text = readWhole(log_file, kMaxDocumentBytes);
     text.erase(text.rfind('\n') == std::string::npos ? 0 : text.rfind('\n'));
     return text.empty() ? json(nullptr) : json::parse(text.substr(text.rfind('\n') + 1));
   }
-  /// Whether the log comes to say so.
+  /// Whether the log reaches this state.
   bool sees(const std::function<bool(const json&)>& expected, double deadline_s = kDeadlineS) {
     bool seen = false;
     const auto seenOrOver = [&] {
@@ -80,24 +80,26 @@ class Studio : public testing::Test {
       return line["undo"] == undo && line["redo"] == redo && line["sculpting"] == false;
     });
   }
-  bool seesNote(const std::string& words) {
-    return sees(
-        [&](const json& line) { return line["note"].get<std::string>().find(words) != std::string::npos; });
+  bool seesNote(const std::string& arguments) {
+    return sees([&](const json& line) {
+      return line["note"].get<std::string>().find(arguments) != std::string::npos;
+    });
   }
 
-  /// The document as a crash would leave it: between two edits the file is whole. No other process can open
-  /// it while the program has it, so it is a copy that is looked at.
-  Document kept(const std::filesystem::path& file) const {
+  /// The document as a crash would leave it: between two edits the file is consistent. The program locks the
+  /// file, so this opens a copy.
+  Document savedDocument(const std::filesystem::path& file) const {
     const std::filesystem::path copy = folder / "copy.clay";
     std::filesystem::copy_file(file, copy, std::filesystem::copy_options::overwrite_existing);
     return Document::open(copy);
   }
 
-  /// What the display shows once nothing moves in its middle.
+  /// A screenshot once nothing moves in its middle.
   Screenshot restingFrame() const {
     Screenshot shot = desktop->screenshot();
     const auto rests = [&] {
-      std::this_thread::sleep_for(std::chrono::milliseconds(1500));  // finer half a second after a change
+      std::this_thread::sleep_for(
+          std::chrono::milliseconds(1500));  // half a second after a change, the surface becomes finer
       const Screenshot before = std::exchange(shot, desktop->screenshot());
       return differingFraction(before, shot, kMiddle) == 0;
     };
@@ -106,13 +108,13 @@ class Studio : public testing::Test {
   }
   static constexpr double kMiddle = 0.7;  // of the display, without panels and the document's name
 
-  /// The mouse's hand comes from the clay's side, along the workspace's y, until it is well in the clay, and
-  /// stays there: the stroke is under way.
+  /// The mouse hand moves from the side into the clay, along the workspace's y, and stays there in the middle
+  /// of a stroke.
   void pushIn() {
     desktop->key("6");
     desktop->moveTo(kFromX, kY);
     desktop->press();
-    // How much of the way the first image of the press takes is the machine's pace.
+    // How far the hand gets in the press's first frame depends on the machine's speed.
     const auto touches = [&] { return log()["sculpting"] == true; };
     for (x_ = kFromX; x_ < kFarthestX && !touches();) {
       drag(x_ + kDabPx);
@@ -125,24 +127,24 @@ class Studio : public testing::Test {
     drag(kFromX);
     desktop->release();
   }
-  /// A whole stroke; true when it is in the history as the entry after `undo`.
+  /// A complete stroke; true if it becomes the entry after `undo` entries.
   bool push(int undo = 0) {
     pushIn();
     pullOut();
     return seesCounts(undo + 1, 0);
   }
 
-  /// A name typed into the dialog that `keys` open.
+  /// Types a name into the dialog that `keys` open.
   void choose(const std::string& keys, const std::string& name) {
     const Screenshot before = desktop->screenshot();
     desktop->key(keys);
-    // It covers the middle, and dims the rest.
+    // The dialog covers the middle and dims the rest.
     ASSERT_TRUE(waitUntil([&] { return differingFraction(before, desktop->screenshot(), 0.4) > 0.5; }));
     desktop->type(name);
     desktop->key("Return");
   }
 
-  /// The folder that a recording went to, as the window said it.
+  /// The folder of a recording, as reported in the window.
   std::filesystem::path recorded() const {
     for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
       if (entry.path().filename().string().starts_with("recording-")) return entry.path();
@@ -155,24 +157,24 @@ class Studio : public testing::Test {
   std::string log_file = folder / "log.jsonl";
 
  private:
-  // Right of the tools, under the middle. At 800 pixels' height 240 are 14 cm, and the hand starts 21 cm from
-  // the tube's axis.
+  // Right of the tools, below the middle. At a height of 800 pixels, 240 are 14 cm, and the hand starts 21 cm
+  // from the tube's axis.
   static constexpr int kFromX = 500, kFarthestX = 1000, kY = 560, kDabPx = 48;
-  static constexpr double kDabPauseS = 1.5;  // longer than from one line of the log to the next
+  static constexpr double kDabPauseS = 1.5;  // longer than the interval between log lines
 
   void drag(int to_x) {
     constexpr int kStepPx = 12;
     while (x_ != to_x) {
       x_ += std::clamp(to_x - x_, -kStepPx, kStepPx);
       desktop->moveTo(x_, kY);
-      std::this_thread::sleep_for(std::chrono::milliseconds(15));  // as a hand drags
+      std::this_thread::sleep_for(std::chrono::milliseconds(15));  // as fast as a person drags
     }
   }
 
-  int x_ = 0;  // the pointer's, in the window
+  int x_ = 0;  // the pointer's position in the window
 };
 
-/// How far the control points of the one clay are from the other's, at most.
+/// The largest distance between corresponding control points.
 inline double farthestMove(const ClayState& a, const ClayState& b) {
   double most = 0;
   for (std::size_t i = 0; i < a.cage.points.size(); ++i)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The studio with cameras: takes that are played, recorded anew, and cameras that run.
+// The studio with cameras: playing takes, recording them again, and live cameras.
 #include "engine/camera/rig.h"
 #include "tests/studio/studio_fixture.h"
 #include "tests/support/small_take.h"
@@ -9,43 +9,43 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TEST_F(Studio, ATakeIsPlayedToItsEndAndAlwaysMakesTheSameClay) {
+TEST_F(Studio, PlayingATakeReproducesTheClay) {
   const int frames = writeSmallTake(folder / "take");
-  // Twice in the window, where images and frames come as they come.
+  // Twice in the window, where the timing of images and frames varies.
   for (const char* name : {"a.clay", "b.clay"}) {
     startWithoutHint({at("take"), "--background", "10", "--save", at(name)});
     const auto ended = [](const json& line) { return line["ended"] == true; };
-    ASSERT_TRUE(sees(ended, 3 * kDeadlineS)) << log() << errors();  // every frame is worked on
+    ASSERT_TRUE(sees(ended, 3 * kDeadlineS)) << log() << errors();  // every frame is processed
     EXPECT_EQ(log()["frame"], frames - 1);
     const Screenshot before = desktop->screenshot();
-    desktop->key("F1");  // the window is there, and listens
+    desktop->key("F1");  // the window still responds
     EXPECT_TRUE(waitUntil([&] { return differingFraction(before, desktop->screenshot(), 0.4) > 0.5; }));
     close();
   }
   const ClayState once = Document::open(at("a.clay")).state();
-  EXPECT_EQ(namesOf(Document::open(at("a.clay"))), (Words{"New tube", ">Push"}));
+  EXPECT_EQ(namesOf(Document::open(at("a.clay"))), (Strings{"New tube", ">Push"}));
   EXPECT_GT(farthestMove(once, tubeState()), 0.005);
   EXPECT_TRUE(sameClay(once, Document::open(at("b.clay")).state()));
 
   for (const char* name : {"c.clay", "d.clay"}) {
-    const Ran ran = runAirclay(
+    const RunResult result = runAirclay(
         {"sculpt", at("take"), "--background", "10", "--headless", "--save", at(name), "--out", at("out")},
         {.environment = {{"AIRCLAY_VALIDATION", "1"}}});
-    ASSERT_EQ(ran.status, 0) << ran.errors;
-    EXPECT_EQ(ran.errors, "");
+    ASSERT_EQ(result.status, 0) << result.errors;
+    EXPECT_EQ(result.errors, "");
   }
   const ClayState headless = Document::open(at("c.clay")).state();
   EXPECT_GT(farthestMove(headless, tubeState()), 0.005);
   EXPECT_TRUE(sameClay(headless, Document::open(at("d.clay")).state()));
-  EXPECT_TRUE(sameClay(headless, once));  // the window's own way
+  EXPECT_TRUE(sameClay(headless, once));  // with the window
 }
 
-TEST_F(Studio, WhatWasRecordedOfATakeIsDoneAgain) {
+TEST_F(Studio, ReplayReproducesTakeSession) {
   writeSmallTake(folder / "take");
   folder.write("config/airclay/studio.toml",
                "first_run = false\nsteady_hand = false\nfolder = '" + folder.path().string() + "'\n");
   start({at("take"), "--save", at("a.clay")});
-  // from the midst of it, when the empty workspace has long been learned
+  // from the middle of the take, after the background is learned
   ASSERT_TRUE(sees([](const json& line) { return line["ended"] == true; }, 3 * kDeadlineS)) << log();
   desktop->key("ctrl+r");
   ASSERT_TRUE(sees([](const json& line) { return line["recording"] == true; })) << log();
@@ -58,15 +58,16 @@ TEST_F(Studio, WhatWasRecordedOfATakeIsDoneAgain) {
   close();
   const ClayState once = Document::open(at("a.clay")).state();
   const fs::path recording = recorded();
-  const Ran ran = runAirclay({"sculpt", recording, "--headless", "--save", at("b.clay"), "--out", at("out")},
-                             {.environment = {{"AIRCLAY_VALIDATION", "1"}}});
-  ASSERT_EQ(ran.status, 0) << ran.errors;
-  EXPECT_EQ(ran.errors, "");
+  const RunResult result =
+      runAirclay({"sculpt", recording, "--headless", "--save", at("b.clay"), "--out", at("out")},
+                 {.environment = {{"AIRCLAY_VALIDATION", "1"}}});
+  ASSERT_EQ(result.status, 0) << result.errors;
+  EXPECT_EQ(result.errors, "");
   EXPECT_TRUE(sameClay(Document::open(at("b.clay")).state(), once));
   EXPECT_GT(farthestMove(once, tubeState()), 0.005);
 }
 
-TEST_F(Studio, EveryCameraIsSeenInALowWindow) {
+TEST_F(Studio, LowWindowShowsEveryCamera) {
   writeSmallTake(folder / "take");
   folder.write("config/airclay/studio.toml", "first_run = false\nwindow_width = 1280\nwindow_height = 720\n");
   start({at("take"), "--save", at("a.clay")});
@@ -79,14 +80,15 @@ TEST_F(Studio, EveryCameraIsSeenInALowWindow) {
   close();
 }
 
-TEST_F(Studio, TheEmptyWorkspaceOfCamerasThatRunIsLearnedAgain) {
+TEST_F(Studio, LiveBackgroundIsRelearned) {
   writeSmallTake(folder / "take", {.empty_frames = 300});
-  Words words = {"--rig", at("take/rig.toml"), "--save", at("a.clay"), "--record", at("mine"), "--loop"};
+  Strings arguments = {"--rig",    at("take/rig.toml"), "--save", at("a.clay"),
+                       "--record", at("mine"),          "--loop"};
   for (const Camera& camera : readRig(at("take/rig.toml")).cameras)
-    words.insert(words.end(), {"--camera", camera.name + "=" + at("take/" + camera.name)});
-  startWithoutHint(words);
-  const auto learning = [](bool wanted) {
-    return [wanted](const json& line) { return line["frame"] > 10 && line["learning"] == wanted; };
+    arguments.insert(arguments.end(), {"--camera", camera.name + "=" + at("take/" + camera.name)});
+  startWithoutHint(arguments);
+  const auto learning = [](bool expected) {
+    return [expected](const json& line) { return line["frame"] > 10 && line["learning"] == expected; };
   };
   ASSERT_TRUE(sees(learning(false))) << log();
   const int before = log()["recorded_frames"];
@@ -99,11 +101,11 @@ TEST_F(Studio, TheEmptyWorkspaceOfCamerasThatRunIsLearnedAgain) {
   std::string taught;
   for (int i = 0; i < 10; ++i) taught += "learn\n";
   EXPECT_EQ(done.substr(at_empty + 7, taught.size() + 5), taught + "frame");
-  // and it can be played
-  const Ran ran = runAirclay({"sculpt", at("mine"), "--headless", "--out", at("out")},
-                             {.environment = {{"AIRCLAY_VALIDATION", "1"}}});
-  EXPECT_EQ(ran.status, 0) << ran.errors;
-  EXPECT_EQ(ran.errors, "");
+  // and it replays
+  const RunResult result = runAirclay({"sculpt", at("mine"), "--headless", "--out", at("out")},
+                                      {.environment = {{"AIRCLAY_VALIDATION", "1"}}});
+  EXPECT_EQ(result.status, 0) << result.errors;
+  EXPECT_EQ(result.errors, "");
 }
 
 }  // namespace

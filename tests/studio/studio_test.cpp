@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The studio with the mouse's hand: strokes, history, files, the window itself.
+// The studio with the mouse hand: strokes, history, files and the window.
 #include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -21,7 +21,7 @@ std::vector<Vec3> surfaceOf(const ClayState& state) {
   return dataPoints(subdivide(state.cage, state.levels, state.rule).matrix, state.cage.points);
 }
 
-/// The largest distance of a point to the nearest of the others, both ways.
+/// The largest distance from a point to the nearest of the other points, in both directions.
 double farthest(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
   const auto oneWay = [](const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
     double most = 0;
@@ -41,55 +41,55 @@ double asymmetryInX(const ClayState& state) {
   return farthest(state.cage.points, mirrored);
 }
 
-TEST_F(Studio, MousePushesClayUndoRedoRefine) {
+TEST_F(Studio, MousePushesUndoesRedoesAndRefines) {
   const fs::path file = folder / "a.clay";
   start({"--save", file});
   const Screenshot hint = restingFrame();
   desktop->key("Escape");
   EXPECT_TRUE(waitUntil([&] { return differingFraction(hint, desktop->screenshot(), 0.4) > 0.5; }));
-  const ClayState begun = kept(file).state();
+  const ClayState begun = savedDocument(file).state();
   EXPECT_TRUE(sameClay(begun, tubeState()));
 
   ASSERT_TRUE(push()) << log();
-  EXPECT_EQ(namesOf(kept(file)), (Words{"New tube", ">Push"}));
-  const ClayState pushed = kept(file).state();
+  EXPECT_EQ(namesOf(savedDocument(file)), (Strings{"New tube", ">Push"}));
+  const ClayState pushed = savedDocument(file).state();
   EXPECT_GT(farthestMove(begun, pushed), 0.01);
 
   desktop->key("ctrl+z");
   ASSERT_TRUE(seesCounts(0, 1)) << log();
-  EXPECT_TRUE(sameClay(kept(file).state(), begun));
+  EXPECT_TRUE(sameClay(savedDocument(file).state(), begun));
   desktop->key("ctrl+shift+z");
   ASSERT_TRUE(seesCounts(1, 0)) << log();
-  EXPECT_TRUE(sameClay(kept(file).state(), pushed));
+  EXPECT_TRUE(sameClay(savedDocument(file).state(), pushed));
 
   EXPECT_EQ(log()["control_points"], 28);
   desktop->key("r");
   ASSERT_TRUE(seesCounts(2, 0)) << log();
   EXPECT_EQ(log()["control_points"], 98);
-  const ClayState refined = kept(file).state();
+  const ClayState refined = savedDocument(file).state();
   EXPECT_EQ(refined.cage.points.size(), 98u);
   EXPECT_LT(farthest(surfaceOf(refined), surfaceOf(pushed)), 1e-9);
   close();
-  EXPECT_EQ(namesOf(Document::open(file)), (Words{"New tube", "Push", ">Refine"}));
+  EXPECT_EQ(namesOf(Document::open(file)), (Strings{"New tube", "Push", ">Refine"}));
 }
 
-TEST_F(Studio, SymmetryIsKeptByAPush) {
+TEST_F(Studio, PushKeepsSymmetry) {
   const fs::path file = folder / "a.clay";
   startWithoutHint({"--save", file, "--clay", "ball"});
-  const ClayState begun = kept(file).state();
+  const ClayState begun = savedDocument(file).state();
   ASSERT_LT(asymmetryInX(begun), 1e-9);
   desktop->key("x");
   ASSERT_TRUE(push()) << log();
-  const ClayState pushed = kept(file).state();
+  const ClayState pushed = savedDocument(file).state();
   EXPECT_GT(farthestMove(begun, pushed), 0.005);
   EXPECT_LT(asymmetryInX(pushed), 1e-6);
   desktop->key("x");
   ASSERT_TRUE(push(1)) << log();
-  EXPECT_GT(asymmetryInX(kept(file).state()), 0.001);  // the hand itself is on one side
+  EXPECT_GT(asymmetryInX(savedDocument(file).state()), 0.001);  // the hand is on one side
   close();
 }
 
-TEST_F(Studio, KilledInAStrokeItKeepsTheFinishedOnes) {
+TEST_F(Studio, SigkillKeepsFinishedStrokes) {
   startWithoutHint({});
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(folder / "state" / "airclay"))
@@ -97,7 +97,7 @@ TEST_F(Studio, KilledInAStrokeItKeepsTheFinishedOnes) {
   ASSERT_EQ(files.size(), 1u);
   EXPECT_TRUE(files[0].filename().string().starts_with("unsaved-")) << files[0];
   ASSERT_TRUE(push()) << log();
-  const ClayState pushed = kept(files[0]).state();
+  const ClayState pushed = savedDocument(files[0]).state();
 
   pushIn();
   program->send(SIGKILL);
@@ -105,7 +105,7 @@ TEST_F(Studio, KilledInAStrokeItKeepsTheFinishedOnes) {
   desktop->release();
   {
     const Document left = Document::open(files[0]);
-    EXPECT_EQ(namesOf(left), (Words{"New tube", ">Push"}));
+    EXPECT_EQ(namesOf(left), (Strings{"New tube", ">Push"}));
     EXPECT_TRUE(sameClay(left.state(), pushed));
   }
 
@@ -115,11 +115,11 @@ TEST_F(Studio, KilledInAStrokeItKeepsTheFinishedOnes) {
   ASSERT_TRUE(seesCounts(0, 1)) << log();
   close();
   const Document left = Document::open(files[0]);
-  EXPECT_EQ(namesOf(left), (Words{">New tube", "Push"}));
+  EXPECT_EQ(namesOf(left), (Strings{">New tube", "Push"}));
   EXPECT_TRUE(sameClay(left.state(), tubeState()));
 }
 
-TEST_F(Studio, WindowIsResizedMinimisedClosedAndRemembered) {
+TEST_F(Studio, WindowResizesMinimizesAndRemembersItsSize) {
   const auto hasSize = [&](int width, int height) {
     return sees([=](const json& line) { return line["width"] == width && line["height"] == height; });
   };
@@ -132,28 +132,29 @@ TEST_F(Studio, WindowIsResizedMinimisedClosedAndRemembered) {
   EXPECT_TRUE(hasSize(0, 0)) << log();
   desktop->restore();
   EXPECT_TRUE(hasSize(1000, 700)) << log();
-  for (int i = 0; i < 12; ++i) desktop->resize(700 + 40 * i, 500 + 20 * (i % 5));  // faster than images come
+  for (int i = 0; i < 12; ++i)
+    desktop->resize(700 + 40 * i, 500 + 20 * (i % 5));  // faster than images arrive
   desktop->resize(1040, 720);
   EXPECT_TRUE(hasSize(1040, 720)) << log();
   const auto since = std::chrono::steady_clock::now();
   close();
   EXPECT_LT(std::chrono::steady_clock::now() - since, std::chrono::seconds(10));
-  EXPECT_TRUE(fs::is_empty(folder / "state" / "airclay"));  // nobody touched the clay
+  EXPECT_TRUE(fs::is_empty(folder / "state" / "airclay"));  // no stroke touched the clay
 
   const fs::path file = folder / "a.clay";
   start({"--save", file});
   EXPECT_TRUE(hasSize(1040, 720)) << log();
-  ASSERT_TRUE(push()) << log();  // and no hint is in the way
+  ASSERT_TRUE(push()) << log();  // and no hint covers the window
   close();
-  EXPECT_EQ(namesOf(Document::open(file)), (Words{"New tube", ">Smooth"}));
+  EXPECT_EQ(namesOf(Document::open(file)), (Strings{"New tube", ">Smooth"}));
 }
 
-TEST_F(Studio, SharedMemoryAndTheSwapchainShowTheSame) {
+TEST_F(Studio, SharedMemoryAndSwapchainShowTheSame) {
   const auto shownBy = [&](const std::string& screen) {
     startWithoutHint({"--device", "llvmpipe", "--clay", "vase"});
     EXPECT_EQ(log()["screen"], screen);
     const Screenshot first = restingFrame();
-    desktop->key("Tab");  // the panels' figures are never the same
+    desktop->key("Tab");  // the panels' figures always change
     desktop->key("7");    // from the top: another image
     EXPECT_TRUE(waitUntil([&] { return differingFraction(first, desktop->screenshot(), kMiddle) > 0; }));
     const Screenshot shot = restingFrame();
@@ -165,18 +166,18 @@ TEST_F(Studio, SharedMemoryAndTheSwapchainShowTheSame) {
   desktop.emplace(Desktop::Options{.shared_memory = false});
   const Screenshot swapped = shownBy("swapchain");
   EXPECT_EQ(differingFraction(shared, swapped, kMiddle), 0);
-  // and it is an image: of clay before a backdrop
+  // and it is an image of clay in front of a backdrop
   Screenshot even = shared;
   std::fill(even.rgb.begin(), even.rgb.end(),
             shared.rgb[even.rgb.size() / 2 + 3 * std::size_t(even.width) / 2]);
   EXPECT_GT(differingFraction(shared, even, 0.5), 0.5);
 }
 
-TEST_F(Studio, FilesThatCannotBeCostNothing) {
+TEST_F(Studio, InvalidFilesLoseNoClay) {
   const fs::path file = folder / "a.clay", other = folder / "b.clay";
   startWithoutHint({"--save", file});
   ASSERT_TRUE(push()) << log();
-  const ClayState pushed = kept(file).state();
+  const ClayState pushed = savedDocument(file).state();
 
   choose("ctrl+e", at("tube"));
   ASSERT_TRUE(seesNote("tube.stl: 672 faces")) << log();
@@ -187,13 +188,13 @@ TEST_F(Studio, FilesThatCannotBeCostNothing) {
   std::vector<Vec3> exported;
   for (unsigned i = 0; i < scene->mMeshes[0]->mNumVertices; ++i) {
     const aiVector3D& v = scene->mMeshes[0]->mVertices[i];
-    exported.push_back(Vec3(v.x, v.y, v.z) / 1000);  // STL's are millimetres
+    exported.push_back(Vec3(v.x, v.y, v.z) / 1000);  // STL is in millimetres
   }
   EXPECT_LT(farthest(exported, surfaceOf(pushed)), 1e-6);
 
   fs::create_directory(folder / "closed");
   ASSERT_EQ(chmod(at("closed").c_str(), 0555), 0);
-  // Rights don't bind the superuser; the system's own folder takes no file from anybody.
+  // Permissions do not bind root, but no one can create files in this system folder.
   const fs::path read_only = geteuid() == 0 ? fs::path("/proc") : folder / "closed";
   choose("ctrl+e", at("none/x"));
   EXPECT_TRUE(seesNote(at("none/x.stl"))) << log();
@@ -210,25 +211,25 @@ TEST_F(Studio, FilesThatCannotBeCostNothing) {
   choose("ctrl+o", at("cut.clay"));
   EXPECT_TRUE(seesNote("truncated")) << log();
   EXPECT_TRUE(seesCounts(1, 0));
-  EXPECT_TRUE(sameClay(kept(file).state(), pushed));
+  EXPECT_TRUE(sameClay(savedDocument(file).state(), pushed));
 
   choose("ctrl+s", other);
   ASSERT_TRUE(seesNote("saved as")) << log();
-  EXPECT_EQ(namesOf(Document::open(file)), (Words{"New tube", ">Push"}));  // which is free now
+  EXPECT_EQ(namesOf(Document::open(file)), (Strings{"New tube", ">Push"}));  // which is unlocked now
   ASSERT_TRUE(push(1)) << log();
   choose("ctrl+o", file);
   ASSERT_TRUE(seesNote("opened")) << log();
   EXPECT_TRUE(seesCounts(1, 0));
   close();
   EXPECT_TRUE(sameClay(Document::open(file).state(), pushed));
-  EXPECT_EQ(namesOf(Document::open(other)), (Words{"New tube", "Push", ">Push"}));
+  EXPECT_EQ(namesOf(Document::open(other)), (Strings{"New tube", "Push", ">Push"}));
 }
 
-TEST_F(Studio, WhatWasRecordedWithTheMouseIsDoneAgain) {
+TEST_F(Studio, ReplayReproducesMouseSession) {
   folder.write("config/airclay/studio.toml",
                "first_run = false\nfolder = '" + folder.path().string() + "'\n");
   start({"--save", at("a.clay")});
-  ASSERT_TRUE(push()) << log();  // before: the recording begins with clay that was pushed
+  ASSERT_TRUE(push()) << log();  // before recording, so that the recording starts with pushed clay
   desktop->key("ctrl+r");
   ASSERT_TRUE(sees([](const json& line) { return line["recording"] == true; })) << log();
   desktop->key("x");
@@ -251,24 +252,25 @@ TEST_F(Studio, WhatWasRecordedWithTheMouseIsDoneAgain) {
   EXPECT_TRUE(sees([](const json& line) { return line["recording"] == false; }));
   close();
   const Document once = Document::open(at("a.clay"));
-  EXPECT_EQ(namesOf(once), (Words{"New tube", "Push", "Push", ">Smooth"}));
+  EXPECT_EQ(namesOf(once), (Strings{"New tube", "Push", "Push", ">Smooth"}));
 
   const fs::path recording = recorded();
   ASSERT_FALSE(recording.empty());
-  const Ran ran = runAirclay({"sculpt", recording, "--headless", "--save", at("b.clay"), "--out", at("out")},
-                             {.environment = {{"AIRCLAY_VALIDATION", "1"}}});
-  ASSERT_EQ(ran.status, 0) << ran.errors;
-  EXPECT_EQ(ran.errors, "");
+  const RunResult result =
+      runAirclay({"sculpt", recording, "--headless", "--save", at("b.clay"), "--out", at("out")},
+                 {.environment = {{"AIRCLAY_VALIDATION", "1"}}});
+  ASSERT_EQ(result.status, 0) << result.errors;
+  EXPECT_EQ(result.errors, "");
   EXPECT_TRUE(sameClay(Document::open(at("b.clay")).state(), once.state()));
   EXPECT_EQ(namesOf(Document::open(at("b.clay"))), namesOf(once));
 
-  start({recording, "--save", at("c.clay")});  // and before one's eyes
+  start({recording, "--save", at("c.clay")});  // and with a window
   ASSERT_TRUE(sees([](const json& line) { return line["ended"] == true; })) << log();
   close();
   EXPECT_TRUE(sameClay(Document::open(at("c.clay")).state(), once.state()));
 }
 
-/// A grid of so many points a side, a little wavy: large, and quickly written.
+/// A slightly wavy grid with this number of points per side: large, and fast to write.
 std::string gridObj(int side) {
   std::string text;
   for (int y = 0; y < side; ++y)
@@ -284,7 +286,7 @@ std::string gridObj(int side) {
   return text;
 }
 
-TEST_F(Studio, LongWorkIsCancelledAndLeavesEverythingAsItWas) {
+TEST_F(Studio, CancelledTaskChangesNothing) {
   folder.write("grid.obj", gridObj(400));  // 160,000 control points
   const fs::path file = folder / "a.clay";
   ASSERT_EQ(runAirclay({"new", file, "--clay", at("grid.obj"), "--levels", "1", "--solve", "touched"}).status,
@@ -293,7 +295,7 @@ TEST_F(Studio, LongWorkIsCancelledAndLeavesEverythingAsItWas) {
   const auto works = [&](const std::string& what) {
     return [what](const json& line) { return line["working"] == what; };
   };
-  const ClayState begun = kept(file).state();
+  const ClayState begun = savedDocument(file).state();
   desktop->key("r");
   ASSERT_TRUE(sees(works("refining"))) << log();
   desktop->key("Escape");
@@ -327,7 +329,7 @@ TEST_F(Studio, TheClutchsKeyIsChosenInTheWindow) {
   clickKey();
   desktop->key("F8");
   EXPECT_TRUE(sees([](const json& line) { return line["clutch_key"] == "F8"; })) << log();
-  // it is the clutch: without it the hand passes through
+  // it is the clutch: without it, the hand passes through
   desktop->key("6");
   desktop->moveTo(500, 560);
   desktop->press();
@@ -343,7 +345,7 @@ TEST_F(Studio, TheClutchsKeyIsChosenInTheWindow) {
   EXPECT_NE(contentOf(folder / "config/airclay/studio.toml").find("clutch_key = 297"), std::string::npos);
 }
 
-TEST_F(Studio, AHandThatWasLostDoesNotTakeHoldByItself) {
+TEST_F(Studio, LostHandDoesNotGripByItself) {
   const fs::path file = folder / "a.clay";
   folder.write("config/airclay/studio.toml", "first_run = false\nclutch = 1\ntool = 1\n");
   start({"--save", file});
@@ -351,13 +353,13 @@ TEST_F(Studio, AHandThatWasLostDoesNotTakeHoldByItself) {
     return [barred](const json& line) { return line["grip_barred"] == barred; };
   };
   desktop->keyDown("space");
-  pushIn();  // which here takes hold
+  pushIn();  // which grips here
   desktop->release();
-  desktop->key("h");  // the hand is gone
+  desktop->key("h");  // the hand disappears
   EXPECT_TRUE(sees(isBarred(true))) << log();
   ASSERT_TRUE(seesCounts(1, 0)) << log();
-  const ClayState pulled = kept(file).state();
-  desktop->key("h");  // and back, in the clay, the key still down
+  const ClayState pulled = savedDocument(file).state();
+  desktop->key("h");  // and returns, inside the clay, with the key still down
   EXPECT_TRUE(sees([](const json& line) { return line["hand"] == "tracking"; })) << log();
   desktop->press();
   pullOut();
@@ -366,9 +368,9 @@ TEST_F(Studio, AHandThatWasLostDoesNotTakeHoldByItself) {
   EXPECT_EQ(log()["grip_barred"], true);
   desktop->keyUp("space");
   EXPECT_TRUE(sees(isBarred(false))) << log();
-  EXPECT_TRUE(sameClay(kept(file).state(), pulled));
+  EXPECT_TRUE(sameClay(savedDocument(file).state(), pulled));
   desktop->keyDown("space");
-  pushIn();  // pressed anew it takes hold
+  pushIn();  // pressed again, it grips
   desktop->keyUp("space");
   EXPECT_TRUE(seesCounts(2, 0)) << log();
   desktop->release();
