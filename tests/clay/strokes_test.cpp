@@ -46,7 +46,7 @@ TEST(Strokes, GapIsFourTenthsOfASecond) {
 }
 
 TEST(Strokes, SlowFramesAreNotAGap) {
-  StrokeDetector watch;  // the paper's 3 Hz, and slower still
+  StrokeDetector watch;  // the paper's 3 Hz, and slower
   EXPECT_EQ(watch.addFrame({0, 1}, "Push"), StrokeEvent::kStarted);
   EXPECT_EQ(watch.addFrame({0.33, 1}, "Push"), StrokeEvent::kNone);
   EXPECT_EQ(watch.addFrame({1.33, 1}, "Push"), StrokeEvent::kNone);
@@ -56,7 +56,7 @@ TEST(Strokes, OpenClutchOrLostHandEndsAStroke) {
   Watched clutch;
   clutch.see(3);
   EXPECT_EQ(clutch.see(3, false), StrokeEvent::kEnded);
-  EXPECT_EQ(clutch.see(3, false), StrokeEvent::kNone);  // what an open clutch touches is no stroke
+  EXPECT_EQ(clutch.see(3, false), StrokeEvent::kNone);  // touching with an open clutch is not a stroke
   EXPECT_EQ(clutch.see(3), StrokeEvent::kStarted);
   Watched lost;
   lost.see(3);
