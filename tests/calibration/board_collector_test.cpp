@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What is collected of a waved board, on drawn images whose truth is known.
+// Collecting views of a moving board, on rendered images with known corners.
 #include "capture/calibration/board_collector.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ namespace {
 
 constexpr ImageSize kSize = {320, 240};
 
-/// Two cameras half a metre apart that look at one place, a metre away.
+/// Two cameras half a metre apart, aimed at the same point a metre away.
 struct Stage {
   Board board;
   Rig rig = ringRig(12, kSize.width, kSize.height);
@@ -43,9 +43,9 @@ struct Stage {
   }
 };
 
-TEST(BoardExposure, BlurAndLightAreThoseOfTheDrawing) {
+TEST(BoardExposure, MeasuresBlurAndLight) {
   const Stage stage;
-  // far enough that a square has 50 pixels
+  // at this distance a square has 50 pixels
   Camera camera = stage.rig.cameras[0];
   Board board = stage.board;
   board.marker_m = 0.035;  // a wide margin around the markers
@@ -60,27 +60,27 @@ TEST(BoardExposure, BlurAndLightAreThoseOfTheDrawing) {
       const std::vector<std::uint8_t> bgr = drawBoard(board, camera, pose, shot);
       const auto light = boardExposure(board, trueView(board, camera, pose, 3), kSize, bgr);
       ASSERT_TRUE(light) << blur_px;
-      // a pixel's own square has a standard deviation of 1 / sqrt(12)
+      // the pixel's own square has a standard deviation of 1 / sqrt(12)
       EXPECT_NEAR(light->blur_px, std::hypot(blur_px, std::sqrt(1.0 / 12)), 0.2) << blur_px << " " << turn;
       EXPECT_NEAR(light->black, 40, 4) << blur_px;
       EXPECT_NEAR(light->white, 180, 4) << blur_px;
     }
 }
 
-TEST(BoardExposure, ABoardThatIsTurnedAwayIsAsBright) {
+TEST(BoardExposure, BrightnessDoesNotDependOnTilt) {
   const Stage stage;
   const Camera& camera = stage.rig.cameras[0];
   for (const double turn : {0.0, 0.6, 0.9, 1.1}) {
     const Pose pose = boardBefore(stage.board, camera, 0.45, Vec3(0, turn, 0));
     const auto light = boardExposure(stage.board, trueView(stage.board, camera, pose, 3), kSize,
                                      drawBoard(stage.board, camera, pose));
-    if (!light) continue;  // too narrow to tell
+    if (!light) continue;  // too narrow to measure
     EXPECT_GT(light->white, 200) << turn;
     EXPECT_LT(light->black, 50) << turn;
   }
 }
 
-TEST(BoardExposure, AnEvenGreyHasNone) {
+TEST(BoardExposure, UniformGreyHasNoExposure) {
   const Stage stage;
   const Pose pose = stage.before(0);
   const std::vector<std::uint8_t> grey(std::size_t(3) * 320 * 240, 128);
@@ -88,40 +88,41 @@ TEST(BoardExposure, AnEvenGreyHasNone) {
   EXPECT_FALSE(boardExposure(stage.board, {}, kSize, grey));
 }
 
-TEST(BoardCollector, ABoardThatMovesIsNotKeptAndOneThatRestsIsKeptOnce) {
+TEST(BoardCollector, KeepsARestingBoardOnce) {
   const Stage stage;
   BoardCollector collector = stage.collector();
-  EXPECT_FALSE(collector.add(stage.set(stage.before(0), 0))) << "nobody knows whether it rests";
+  EXPECT_FALSE(collector.add(stage.set(stage.before(0), 0)))
+      << "the first frame cannot show that the board rests";
   EXPECT_TRUE(collector.add(stage.set(stage.before(0), 1.0 / 30)));
-  EXPECT_FALSE(collector.add(stage.set(stage.before(0), 2.0 / 30))) << "it is known there";
-  // 4 cm in a thirtieth of a second: some 10 pixels
+  EXPECT_FALSE(collector.add(stage.set(stage.before(0), 2.0 / 30))) << "the view is redundant";
+  // 4 cm in a thirtieth of a second: about 10 pixels
   const Pose there = stage.before(0, Vec3::Zero(), Vec3(0.04, 0.02, 0));
   EXPECT_FALSE(collector.add(stage.set(there, 3.0 / 30)));
   EXPECT_TRUE(collector.add(stage.set(there, 4.0 / 30)));
   EXPECT_EQ(collector.keptSets(), 2);
   EXPECT_EQ(collector.cameras()[0].views, 2);
   EXPECT_EQ(collector.views()[0].views.size(), 2u);
-  const BoardView& kept = collector.views()[0].views.begin()->second;
+  const BoardView& view = collector.views()[0].views.begin()->second;
   const BoardView truth = trueView(stage.board, stage.rig.cameras[0], stage.before(0));
-  ASSERT_EQ(kept.ids, truth.ids);
-  for (std::size_t i = 0; i < kept.ids.size(); ++i) EXPECT_LT((kept.pixels[i] - truth.pixels[i]).norm(), 0.1);
+  ASSERT_EQ(view.ids, truth.ids);
+  for (std::size_t i = 0; i < view.ids.size(); ++i) EXPECT_LT((view.pixels[i] - truth.pixels[i]).norm(), 0.1);
   collector.clear();
   EXPECT_EQ(collector.keptSets(), 0);
   EXPECT_TRUE(collector.views()[0].views.empty());
   EXPECT_EQ(collector.cameras()[0].coverage.share(), 0);
 }
 
-TEST(BoardCollector, CamerasOutOfStepWantAStillerBoard) {
+TEST(BoardCollector, UnsynchronizedCamerasNeedAStillerBoard) {
   const Stage stage;
-  // 3 mm a frame, about 0.9 pixels: 27 a second
+  // 3 mm per frame, about 0.9 pixels: 27 per second
   const auto slide = [&](BoardCollector collector, double skew_s) {
-    int kept = 0;
+    int count = 0;
     for (int i = 0; i < 40; ++i) {
       LiveSet set = stage.set(stage.before(0, Vec3::Zero(), Vec3(-0.06 + 0.003 * i, 0, 0)), i / 30.0);
       set.skew_s = skew_s;
-      kept += collector.add(set);
+      count += collector.add(set);
     }
-    return kept;
+    return count;
   };
   EXPECT_GE(slide(stage.collector(), 0), 2);
   EXPECT_EQ(slide(stage.collector(), 0.03), 0);
@@ -130,7 +131,7 @@ TEST(BoardCollector, CamerasOutOfStepWantAStillerBoard) {
   EXPECT_EQ(slide(stage.collector(arrivals), 0), 0);
 }
 
-TEST(BoardCollector, AdviceNamesWhatIsMissingUntilThereIsEnough) {
+TEST(BoardCollector, AdviceNamesMissingViews) {
   const Stage stage;
   BoardCollector collector = stage.collector();
   LiveSet empty = stage.set(stage.before(0, Vec3(0, M_PI, 0), Vec3(0, 0, 3)), 0);
@@ -149,21 +150,21 @@ TEST(BoardCollector, AdviceNamesWhatIsMissingUntilThereIsEnough) {
       << collector.advice();
 
   double last = 0;
-  std::set<std::string> said;
+  std::set<std::string> advice;
   for (int i = 0; i < 400 && !collector.enough(); ++i) {
-    // a walk through the cube that tilts the board to all sides
+    // a path through the workspace that tilts the board in all directions
     const double a = 0.37 * i, b = 0.23 * i;
     const Vec3 turn(0.5 * std::sin(a), 0.5 * std::cos(b), 0.3 * std::sin(b));
     const Vec3 place(0.16 * std::sin(b), 0.12 * std::cos(a), 0.1 * std::sin(0.5 * a));
     show(stage.before(i % 2, turn, place));
-    EXPECT_GE(collector.share(), last) << "it never goes back";
+    EXPECT_GE(collector.share(), last) << "progress decreases";
     last = collector.share();
-    said.insert(collector.advice());
+    advice.insert(collector.advice());
   }
   EXPECT_TRUE(collector.enough()) << collector.advice();
   EXPECT_EQ(collector.share(), 1);
   EXPECT_EQ(collector.advice(), "that is enough");
-  EXPECT_GE(said.size(), 2u) << "the same words all the time";
+  EXPECT_GE(advice.size(), 2u) << "the advice never changes";
   for (const CollectedCamera& camera : collector.cameras()) {
     EXPECT_GE(camera.views, kFewViews);
     EXPECT_GE(camera.shared_views, kFewShared);
@@ -173,7 +174,7 @@ TEST(BoardCollector, AdviceNamesWhatIsMissingUntilThereIsEnough) {
   EXPECT_LT(found.rms_px, 0.1);
 }
 
-TEST(BoardCollector, TheWorldsBoardIsKeptAlthoughItIsKnown) {
+TEST(BoardCollector, KeepsTheWorldBoardEvenIfRedundant) {
   const Stage stage;
   BoardCollector collector = stage.collector();
   EXPECT_FALSE(collector.keepForWorld());
@@ -185,7 +186,7 @@ TEST(BoardCollector, TheWorldsBoardIsKeptAlthoughItIsKnown) {
   EXPECT_EQ(collector.keptSets(), 1) << "once";
 }
 
-TEST(BoardCollector, ACameraWithoutAImageIsPassedOver) {
+TEST(BoardCollector, SkipsCamerasWithoutAnImage) {
   const Stage stage;
   BoardCollector collector = stage.collector();
   for (int i = 0; i < 2; ++i) {

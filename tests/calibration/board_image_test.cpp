@@ -23,7 +23,7 @@ Board a3Board() {
   return board;
 }
 
-/// A page as a reader of PDF files finds it: lengths in millimetres of paper.
+/// A page as a PDF reader interprets it: lengths in millimetres of paper.
 struct ReadPdf {
   double width = 0, height = 0;
   std::vector<std::array<double, 4>> board, ruler;  ///< left, top, width, height, from the upper left corner
@@ -38,7 +38,7 @@ ReadPdf readPdf(const std::filesystem::path& file) {
   std::istringstream(pdf.substr(box + 15)) >> page.width >> page.height;
   const double height_points = page.height;
   page.width *= kMmPerPoint, page.height *= kMmPerPoint;
-  // The cross-reference table's offsets point at the objects, and the length is the stream's.
+  // The cross-reference table points at the objects, and the stream's length is correct.
   const std::size_t table = std::stoul(pdf.substr(pdf.rfind("startxref") + 10));
   EXPECT_EQ(pdf.substr(table, 5), "xref\n");
   for (int i = 1; i <= 5; ++i) {
@@ -49,28 +49,28 @@ ReadPdf readPdf(const std::filesystem::path& file) {
   const std::size_t begin = pdf.find("stream\n") + 7;
   EXPECT_EQ(pdf.substr(begin + length, 9), "endstream");
 
-  std::istringstream words(pdf.substr(begin, length));
+  std::istringstream tokens(pdf.substr(begin, length));
   std::vector<double> numbers;
   std::vector<std::array<double, 4>> rectangles;
   double a = 1, d = 1, e = 0, f = 0;  // of the matrix
-  for (std::string word; words >> word;) {
-    if (word == "cm") {
+  for (std::string token; tokens >> token;) {
+    if (token == "cm") {
       a = numbers.at(0), d = numbers.at(3), e = numbers.at(4), f = numbers.at(5);
-    } else if (word == "re") {
+    } else if (token == "re") {
       const double top = height_points - (d * numbers.at(1) + f);
       rectangles.push_back({kMmPerPoint * (a * numbers.at(0) + e), kMmPerPoint * top,
                             kMmPerPoint * a * numbers.at(2), -kMmPerPoint * d * numbers.at(3)});
-    } else if (word == "f*") {
+    } else if (token == "f*") {
       page.board = std::move(rectangles), rectangles.clear();
-    } else if (word == "f") {
+    } else if (token == "f") {
       page.ruler = std::move(rectangles), rectangles.clear();
-    } else if (std::isdigit(static_cast<unsigned char>(word[0])) || word[0] == '-') {
-      numbers.push_back(std::stod(word));
+    } else if (std::isdigit(static_cast<unsigned char>(token[0])) || token[0] == '-') {
+      numbers.push_back(std::stod(token));
       continue;
-    } else if (word[0] == '(') {
+    } else if (token[0] == '(') {
       std::string rest;
-      std::getline(words, rest);
-      page.text += word + rest;
+      std::getline(tokens, rest);
+      page.text += token + rest;
     }
     numbers.clear();
   }
@@ -85,7 +85,7 @@ TEST(BoardPdf, IsTrueToScale) {
     const ReadPdf read = readPdf(folder / "board.pdf");
     EXPECT_NEAR(read.width, page == Page::kA4 ? 297 : 420, 1e-4);
     EXPECT_NEAR(read.height, page == Page::kA4 ? 210 : 297, 1e-4);
-    // Squares, then markers, then the markers' white.
+    // Squares, then markers, then the markers' white cells.
     const double square = 1000 * board.square_m, marker = 1000 * board.marker_m;
     int squares = 0, markers = 0;
     double left = 1e9, right = 0, bottom = 0;
@@ -98,7 +98,7 @@ TEST(BoardPdf, IsTrueToScale) {
     EXPECT_EQ(markers, board.squares_x * board.squares_y / 2);
     EXPECT_NEAR(right - left, board.squares_x * square, 1e-4);
     EXPECT_NEAR(left + right, read.width, 1e-4) << "in the middle of the page";
-    // The ruler: eleven ticks, the first and the last 100 mm from each other, below the board.
+    // The ruler: eleven ticks, 100 mm between the first and the last, below the board.
     ASSERT_EQ(read.ruler.size(), 12u);
     EXPECT_NEAR(read.ruler[11][0] - read.ruler[1][0], 100, 1e-4);
     EXPECT_NEAR(read.ruler[0][2], 100.2, 1e-4);
@@ -112,7 +112,7 @@ TEST(BoardPdf, IsTrueToScale) {
   }
 }
 
-TEST(BoardPdf, LiesOrStandsAsSuitsTheBoard) {
+TEST(BoardPdf, ChoosesPageOrientation) {
   Board tall;
   std::swap(tall.squares_x, tall.squares_y);
   EXPECT_LT(layOut(tall, Page::kA4).width_m, layOut(tall, Page::kA4).height_m);
@@ -124,7 +124,7 @@ TEST(BoardPdf, LiesOrStandsAsSuitsTheBoard) {
   EXPECT_LT(fit.height_m, 0.32);
 }
 
-TEST(BoardPdf, SaysWhichPageOrSquareWouldBeRight) {
+TEST(BoardPdf, SuggestsFittingPageOrSquare) {
   const std::string a4 = messageOf([] { layOut(a3Board(), Page::kA4); });
   EXPECT_NE(a4.find("--page a3"), std::string::npos) << a4;
   const std::size_t at = a4.find("--square-mm ");
@@ -169,7 +169,7 @@ TEST(BoardPng, IsTrueToScaleAndDetected) {
     EXPECT_EQ(pixels_per_m, std::round(100 / 0.0254));
     EXPECT_EQ(bytes[chunk + 12], 1) << "per metre";
 
-    const ImageSize size = imageSize(file);  // checks every chunk's sum, too
+    const ImageSize size = imageSize(file);  // also checks every chunk's CRC
     EXPECT_EQ(size.width, std::ceil(0.420 * pixels_per_m));
     std::vector<std::uint8_t> grey(std::size_t(size.width) * std::size_t(size.height));
     readImage(file, size, PixelFormat::kGrey8, grey);
@@ -185,10 +185,10 @@ TEST(BoardPng, IsTrueToScaleAndDetected) {
   }
 }
 
-TEST(BoardPng, RulerIsAHundredMillimetres) {
+TEST(BoardPng, RulerIsOneHundredMillimetres) {
   const TemporaryFolder folder;
   const BoardSheet sheet = layOut(Board(), Page::kA4);
-  writeBoardPng(folder / "board.png", sheet, 254);  // 10 pixels a millimetre
+  writeBoardPng(folder / "board.png", sheet, 254);  // 10 pixels per millimetre
   const cv::Mat1b grey = cv::imread((folder / "board.png").string(), cv::IMREAD_GRAYSCALE);
   const int y = static_cast<int>(1e4 * sheet.ruler_begin_m.y());
   double ink = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Boards against OpenCV's own drawing, and their corners in images against where they truly are.
+// Boards compared with OpenCV's drawing, and detected corners compared with their true positions.
 #include "capture/calibration/board.h"
 
 #include <gtest/gtest.h>
@@ -52,14 +52,14 @@ std::optional<BoardView> look(const Board& as, const Camera& camera, std::span<c
   return BoardDetector(as).find({camera.width, camera.height}, PixelFormat::kBgr8, image);
 }
 
-/// How the found corners are off the true ones, in pixels.
+/// The errors of the found corners in pixels.
 struct Errors {
   int corners = 0, expected = 0;
   Vec2 bias = Vec2::Zero();
   double rms = 0, largest = 0;
 };
 
-/// Adds one image's; a corner that the board has not, or that is out of the image, is a failure.
+/// Adds one image; a corner that the board lacks, or that is outside the image, is a failure.
 void compare(const BoardView& found, const BoardView& truth, Errors& errors) {
   ASSERT_TRUE(std::is_sorted(found.ids.begin(), found.ids.end()));
   for (std::size_t i = 0; i < found.ids.size(); ++i) {
@@ -73,17 +73,17 @@ void compare(const BoardView& found, const BoardView& truth, Errors& errors) {
   }
 }
 
-/// Boards held at `distance_m`, aslant by up to `tilt` radians and turned any way, all over the image.
+/// Boards at `distance_m`, tilted by up to `tilt` radians and rotated arbitrarily, all over the image.
 Errors errorsOver(const Board& board, double distance_m, const BoardShot& shot, double tilt = 0.7) {
   const Camera camera = webcam();
   const BoardDetector detector(board);
   Errors errors;
   for (int i = 0; i < 24; ++i) {
-    const double a = 2.4 * i, share = (i + 0.5) / 24;  // the golden angle: evenly over a disc
-    const Vec3 turn(tilt * std::sqrt(share) * std::cos(a), tilt * std::sqrt(share) * std::sin(a),
+    const double a = 2.4 * i, fraction = (i + 0.5) / 24;  // the golden angle: evenly distributed over a disc
+    const Vec3 turn(tilt * std::sqrt(fraction) * std::cos(a), tilt * std::sqrt(fraction) * std::sin(a),
                     board.chessboard ? 0.4 * std::sin(a) : a);
     const double reach = board.chessboard ? 0.1 : 0.22;
-    const Vec3 offset = distance_m * reach * std::sqrt(share) * Vec3(std::cos(3 * a), std::sin(3 * a), 0);
+    const Vec3 offset = distance_m * reach * std::sqrt(fraction) * Vec3(std::cos(3 * a), std::sin(3 * a), 0);
     const Pose pose = boardBefore(board, camera, distance_m, turn, offset);
     BoardShot here = shot;
     here.seed = static_cast<std::uint32_t>(i + 1);
@@ -106,7 +106,7 @@ void expectWithin(const Errors& errors, double bias_px, double rms_px, double la
   EXPECT_LE(errors.largest, largest_px);
 }
 
-TEST(Board, PatternIsOpenCvs) {
+TEST(Board, PatternEqualsOpenCv) {
   struct Form {
     int x, y;
     const char* name;
@@ -147,7 +147,7 @@ TEST(Board, PatternIsOpenCvs) {
       }
     EXPECT_EQ(different, 0);
     EXPECT_GT(black, drawn.total() / 2);
-    // Their corners, too, are numbered so.
+    // Their corners are numbered in the same order.
     for (int id = 0; id < board.cornerCount(); ++id) {
       const cv::Point3f& corner = theirs->chessboardCorners[static_cast<std::size_t>(id)];
       EXPECT_LE((1e3 * board.corner(id) - Vec3(corner.x, corner.y, corner.z)).norm(), 1e-4) << id;
@@ -155,7 +155,7 @@ TEST(Board, PatternIsOpenCvs) {
   }
 }
 
-TEST(Board, WhatCannotBeIsRefused) {
+TEST(Board, RejectsInvalidBoards) {
   const auto refused = [](auto change) {
     Board board;
     change(board);
@@ -165,8 +165,8 @@ TEST(Board, WhatCannotBeIsRefused) {
   EXPECT_EQ(refused([](Board& b) { b.squares_x = 40, b.squares_y = 40, b.dictionary = "4X4_1000"; }), "");
   EXPECT_EQ(
       refused([](Board& b) { b.chessboard = true, b.squares_y = 4, b.dictionary = "", b.marker_m = 0; }), "");
-  const auto expect = [&](const std::string& words, auto change) {
-    EXPECT_NE(refused(change).find(words), std::string::npos) << words << ": " << refused(change);
+  const auto expect = [&](const std::string& text, auto change) {
+    EXPECT_NE(refused(change).find(text), std::string::npos) << text << ": " << refused(change);
   };
   expect("--squares 2x3", [](Board& b) { b.squares_x = 2; });
   expect("--squares 41x3", [](Board& b) { b.squares_x = 41; });
@@ -181,35 +181,35 @@ TEST(Board, WhatCannotBeIsRefused) {
   expect("--two-sided", [](Board& b) { b.chessboard = b.two_sided = true, b.squares_y = 4; });
 }
 
-// The image of the paper's distance: cells of 3.4 pixels.
-TEST(BoardDetector, CornersOfTheDefaultBoardAtArmsLength) {
+// The paper's distance: cells of 3.4 pixels.
+TEST(BoardDetector, FindsCornersAtArmsLength) {
   expectWithin(errorsOver(Board(), 1.1, {}), 0.005, 0.02, 0.08);
   expectWithin(errorsOver(Board(), 1.1, {.noise_sigma = 2.5, .blur_px = 0.6}), 0.006, 0.03, 0.12);
 }
 
-TEST(BoardDetector, CornersNearAndFar) {
+TEST(BoardDetector, FindsCornersNearAndFar) {
   expectWithin(errorsOver(a3Board(), 0.75, {.noise_sigma = 2.5, .blur_px = 0.6}), 0.005, 0.025, 0.12);
   expectWithin(errorsOver(a3Board(), 1.3, {.noise_sigma = 2.5, .blur_px = 0.6}), 0.005, 0.03, 0.15);
   expectWithin(errorsOver(a3Board(), 1.1, {.noise_sigma = 2.5, .blur_px = 1}), 0.006, 0.04, 0.2);
 }
 
-TEST(BoardDetector, CornersInPoorLight) {
+TEST(BoardDetector, FindsCornersInPoorLight) {
   BoardShot dim{.noise_sigma = 4, .blur_px = 0.7, .black = 25, .white = 75, .background = 40};
   expectWithin(errorsOver(a3Board(), 1.0, dim), 0.02, 0.1, 0.5);
 }
 
-TEST(BoardDetector, CornersOfAnInvertedBoard) {
+TEST(BoardDetector, FindsCornersOfAnInvertedBoard) {
   Board board = a3Board();
   board.inverted = true;
   expectWithin(errorsOver(board, 1.0, {.noise_sigma = 2.5, .blur_px = 0.6}), 0.005, 0.03, 0.15);
 }
 
-TEST(BoardDetector, CornersOfAChessboard) {
+TEST(BoardDetector, FindsCornersOfAChessboard) {
   expectWithin(errorsOver(chessboard(10, 7), 0.55, {.noise_sigma = 2.5, .blur_px = 0.6}, 0.5), 0.005, 0.025,
                0.12);
 }
 
-TEST(BoardDetector, UpsideDownTheCornersKeepTheirNumbers) {
+TEST(BoardDetector, UpsideDownBoardKeepsCornerNumbers) {
   const Camera camera = webcam();
   for (Board board : {Board(), a3Board(), chessboard(10, 7), chessboard(7, 10)})
     for (const double turn : {0.0, kPi / 2, kPi, -kPi / 2}) {
@@ -224,7 +224,7 @@ TEST(BoardDetector, UpsideDownTheCornersKeepTheirNumbers) {
     }
 }
 
-TEST(BoardDetector, AnAmbiguousChessboardsRowsRunToTheRight) {
+TEST(BoardDetector, AmbiguousChessboardRowsRunToTheRight) {
   const Camera camera = webcam();
   for (const Board& board : {chessboard(9, 7), chessboard(6, 6), chessboard(7, 7)}) {
     ASSERT_TRUE(board.isAmbiguous());
@@ -240,7 +240,7 @@ TEST(BoardDetector, AnAmbiguousChessboardsRowsRunToTheRight) {
   }
 }
 
-TEST(BoardDetector, OfABoardThatIsHalfOutOfTheImageTheRestIsFound) {
+TEST(BoardDetector, FindsTheVisiblePartOfABoard) {
   const Camera camera = webcam();
   const Board board = a3Board();
   for (const Vec3& offset : {Vec3(0.5, 0, 0), Vec3(-0.5, 0.1, 0), Vec3(0, 0.4, 0), Vec3(0.4, -0.3, 0)}) {
@@ -256,7 +256,7 @@ TEST(BoardDetector, OfABoardThatIsHalfOutOfTheImageTheRestIsFound) {
   }
 }
 
-TEST(BoardDetector, WhatAHandCoversIsLeftOut) {
+TEST(BoardDetector, OmitsCoveredCorners) {
   const Camera camera = webcam();
   const Board board = a3Board();
   const Pose pose = boardBefore(board, camera, 0.9, Vec3(0.2, -0.3, 0.1));
@@ -279,7 +279,7 @@ TEST(BoardDetector, WhatAHandCoversIsLeftOut) {
   EXPECT_LE(errors.largest, 0.35);
 }
 
-TEST(BoardDetector, AnotherBoardIsNotTakenForThisOne) {
+TEST(BoardDetector, IgnoresOtherBoards) {
   const Camera camera = webcam();
   const auto findAs = [&](const Board& as, const Board& shown) {
     const Pose pose = boardBefore(shown, camera, 0.8, Vec3(0.2, 0.3, 0.1));
@@ -301,7 +301,7 @@ TEST(BoardDetector, AnotherBoardIsNotTakenForThisOne) {
   EXPECT_FALSE(findAs(chessboard(10, 7), chessboard(9, 7)));
 }
 
-TEST(BoardDetector, NothingIsFoundWhereNothingIs) {
+TEST(BoardDetector, FindsNothingWithoutABoard) {
   const Camera camera = webcam();
   const Board board = a3Board();
   const Pose behind = boardBefore(board, camera, 0.9, Vec3(0, kPi, 0));
@@ -317,7 +317,7 @@ TEST(BoardDetector, NothingIsFoundWhereNothingIs) {
   EXPECT_NE(messageOf([&] { BoardDetector(board).find({2, 1}, PixelFormat::kBgr8, one); }), "");
 }
 
-TEST(BoardDetector, ATwoSidedBoardIsFoundFromBehind) {
+TEST(BoardDetector, FindsTheBackOfATwoSidedBoard) {
   const Camera camera = webcam();
   Board board = a3Board();
   board.two_sided = true;
@@ -332,7 +332,7 @@ TEST(BoardDetector, ATwoSidedBoardIsFoundFromBehind) {
   }
 }
 
-TEST(BoardDetector, GreyImagesAndThreadsChangeNothing) {
+TEST(BoardDetector, GreyImagesAndThreadsGiveEqualResults) {
   const Camera camera = webcam();
   const Board board = a3Board();
   const BoardDetector detector(board);
@@ -354,7 +354,7 @@ TEST(BoardDetector, GreyImagesAndThreadsChangeNothing) {
   }
 }
 
-TEST(BoardAdvice, CountsACellsPixels) {
+TEST(BoardAdvice, CountsPixelsPerCell) {
   // A field of view of 90 degrees: the focal length is half the width.
   EXPECT_NEAR(focalOf(640, 90), 320, 1e-9);
   // 40 mm / 6 cells * 560 px / 1.1 m.
@@ -364,7 +364,7 @@ TEST(BoardAdvice, CountsACellsPixels) {
   EXPECT_EQ(usualMarker(0.055), 0.041);
 }
 
-TEST(BoardAdvice, ProposesWhatIsReadAndFits) {
+TEST(BoardAdvice, ProposesReadableBoardThatFits) {
   int proposals = 0;
   for (const double distance_m : {0.3, 0.6, 1.1, 1.8, 2.2})
     for (const Page page : {Page::kA4, Page::kA3}) {
@@ -373,8 +373,8 @@ TEST(BoardAdvice, ProposesWhatIsReadAndFits) {
       ++proposals;
       EXPECT_GE(proposal->cell_px, 3);
       EXPECT_NEAR(proposal->cell_px, cellPixels(proposal->board, {560, distance_m}), 1e-12);
-      layOut(proposal->board, proposal->page);  // throws where it doesn't fit
-      // What is proposed is found.
+      layOut(proposal->board, proposal->page);  // throws if it does not fit
+      // The proposed board is detected.
       Camera camera = webcam();
       camera.lens.fx = camera.lens.fy = 560;
       const Pose pose = boardBefore(proposal->board, camera, distance_m);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Calibration against true rigs: how far points in the cube are off, not how far parameters are.
+// Calibration compared with true rigs: the errors of points in the workspace, not of parameters.
 #include "capture/calibration/calibration.h"
 
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@
 namespace airclay {
 namespace {
 
-/// A true rig, and what its cameras saw of a waved board.
+/// A true rig, and its cameras' views of a moving board.
 struct Scene {
   Rig rig = ringRig(4, 640, 480);
   Board board = a3Board();
@@ -36,7 +36,7 @@ struct Scene {
   std::vector<Pose> boards;
   std::vector<CameraViews> views;
 
-  explicit Scene(const Wave& wanted = {}, const std::optional<Lens>& lens = std::nullopt) : wave(wanted) {
+  explicit Scene(const Wave& options = {}, const std::optional<Lens>& lens = std::nullopt) : wave(options) {
     if (lens)
       for (Camera& camera : rig.cameras) camera.lens = withMonotonicRange(*lens);
     boards = wavedBoards(rig, board, wave);
@@ -67,7 +67,7 @@ bool anyMentions(const std::vector<std::string>& lines, const std::string& word)
                      [&](const std::string& line) { return line.find(word) != std::string::npos; });
 }
 
-TEST(Calibration, cubeErrorIsZeroForTheTruthAndSeesAWrongScale) {
+TEST(Calibration, CubeErrorIsZeroForTruthAndDetectsScale) {
   const Rig truth = ringRig(4, 640, 480);
   Rig moved = truth;
   const Pose shift = Pose(Eigen::Translation3d(0.1, 0.2, -0.3) * Eigen::AngleAxisd(0.4, Vec3::UnitX()));
@@ -80,12 +80,12 @@ TEST(Calibration, cubeErrorIsZeroForTheTruthAndSeesAWrongScale) {
   EXPECT_NEAR(error.whole_mm, 0.01 * 600 / 2 * std::sqrt(1 + 2.0 / 12), 0.3);
 }
 
-TEST(Calibration, findsTheRigFromNoisyCorners) {
+TEST(Calibration, FindsTheRigFromNoisyCorners) {
   const Scene scene;
   const Calibration found = scene.calibrated();
   expectAccurate(scene.rig, found.rig);
   EXPECT_LE(found.rms_px, 0.35);
-  // Two coordinates of the noise; no less either, or the fit would explain chance.
+  // Two coordinates of the noise; a lower value would mean overfitting.
   EXPECT_NEAR(found.rms_px, scene.wave.noise_px * std::sqrt(2.0), 0.02);
   ASSERT_TRUE(found.scale_error_mm);
   EXPECT_LT(*found.scale_error_mm, 0.5);
@@ -95,7 +95,7 @@ TEST(Calibration, findsTheRigFromNoisyCorners) {
       return scene.rig.cameras[std::size_t(camera)].camera_from_world.inverse().translation();
     };
     EXPECT_NEAR(baseline.metres, (eye(baseline.a) - eye(baseline.b)).norm(),
-                3e-3);  // along the rays, with the focal length
+                3e-3);  // along the rays, together with the focal length
   }
   for (std::size_t i = 0; i < scene.views.size(); ++i) {
     EXPECT_EQ(found.cameras[i].views, static_cast<int>(scene.views[i].views.size()));
@@ -104,7 +104,7 @@ TEST(Calibration, findsTheRigFromNoisyCorners) {
   EXPECT_TRUE(found.warnings.empty()) << found.warnings[0];
 }
 
-TEST(Calibration, outliersDoNoHarm) {
+TEST(Calibration, ToleratesOutliers) {
   Wave wave;
   wave.outliers = 0.05;
   const Scene scene(wave);
@@ -117,9 +117,9 @@ TEST(Calibration, outliersDoNoHarm) {
   EXPECT_NEAR(static_cast<double>(dropped) / seen, wave.outliers, 0.02);
 }
 
-TEST(Calibration, chainsCamerasThatOverlapOnlyPairwise) {
+TEST(Calibration, ChainsPairwiseOverlaps) {
   Scene scene;
-  // Each instant is kept for one pair of neighbours: 0-1, 1-2, 2-3; 3 and 0 never see one board.
+  // Each instant belongs to one pair of neighbours: 0-1, 1-2, 2-3; cameras 3 and 0 never share a board.
   for (int frame = 0; frame < scene.wave.frames; ++frame)
     for (int camera = 0; camera < 4; ++camera)
       if (camera != frame % 3 && camera != frame % 3 + 1) scene.views[std::size_t(camera)].views.erase(frame);
@@ -129,7 +129,7 @@ TEST(Calibration, chainsCamerasThatOverlapOnlyPairwise) {
   EXPECT_LE(error.whole_mm, 0.7);
 }
 
-TEST(Calibration, camerasWithoutASharedViewAreNamed) {
+TEST(Calibration, ReportsCamerasWithoutSharedViews) {
   Scene scene;
   for (int frame = 0; frame < scene.wave.frames; ++frame)
     for (const int camera : frame % 2 ? std::vector{0, 1} : std::vector{2, 3})
@@ -140,7 +140,7 @@ TEST(Calibration, camerasWithoutASharedViewAreNamed) {
   EXPECT_EQ(message.find('\n'), std::string::npos);
 }
 
-TEST(Calibration, aCameraWithTooFewViewsIsNamed) {
+TEST(Calibration, ReportsCameraWithTooFewViews) {
   Scene scene;
   std::map<int, BoardView>& views = scene.views[2].views;
   while (views.size() > 5) views.erase(views.begin());
@@ -150,7 +150,7 @@ TEST(Calibration, aCameraWithTooFewViewsIsNamed) {
   EXPECT_NE(messageOf([&] { scene.calibrated(); }).find("1 camera cannot"), std::string::npos);
 }
 
-TEST(Calibration, cornersThatNoBoardExplainsAreRefused) {
+TEST(Calibration, RejectsInconsistentCorners) {
   Scene scene;
   std::mt19937 random(3);
   std::uniform_real_distribution<double> u(0, 639), v(0, 479);
@@ -159,7 +159,7 @@ TEST(Calibration, cornersThatNoBoardExplainsAreRefused) {
   EXPECT_NE(messageOf([&] { scene.calibrated(); }).find("\"cam1\""), std::string::npos);
 }
 
-TEST(Calibration, lensesOfEveryModelAreFound) {
+TEST(Calibration, FindsEveryLensModel) {
   const std::array<double, 8> five = {-0.338, 0.0967, -1.35e-3, 3.16e-3, -3.7e-3};
   const std::array<double, 8> eight = {0.4, 0.05, 8e-4, -3e-4, 0.03, 0.6, 0.02, 0.01};
   const std::array<double, 8> fish = {-0.03, 0.012, -0.008, 0.0015};
@@ -194,7 +194,7 @@ TEST(Calibration, lensesOfEveryModelAreFound) {
   }
 }
 
-TEST(Calibration, aLensWithoutDistortionGetsFewCoefficients) {
+TEST(Calibration, UndistortedLensGetsFewCoefficients) {
   const Scene scene({}, lensOf(LensModel::kPerspective, 560, {}));
   for (const Camera& camera : scene.calibrated().rig.cameras) {
     EXPECT_EQ(camera.lens.model, LensModel::kPerspective);
@@ -204,18 +204,18 @@ TEST(Calibration, aLensWithoutDistortionGetsFewCoefficients) {
   }
 }
 
-TEST(Calibration, theWorldIsWhereTheNamedBoardLies) {
+TEST(Calibration, ChosenBoardDefinesTheWorld) {
   const Scene scene;
   CalibrationOptions options;
   options.world_frame = 17;
   const Calibration found = scene.calibrated(options);
   EXPECT_EQ(found.world_frame, 17);
-  // Without --center the cube stands on the board.
+  // Without --center, the workspace is above the board.
   EXPECT_EQ(found.rig.workspace.center, Vec3(0, 0, 0.3));
   const Vec3 middle = 0.5 * scene.board.square_m * Vec3(7, 5, 0);
   for (std::size_t i = 0; i < 4; ++i) {
     const Pose camera_from_board = scene.rig.cameras[i].camera_from_world * scene.boards[17];
-    // The board's middle is the origin; 10 cm along its rows is x; 10 cm out of its face is z.
+    // The board's middle is the origin; 10 cm along its rows is x; 10 cm out of its front is z.
     const Pose& camera_from_world = found.rig.cameras[i].camera_from_world;
     EXPECT_LE((camera_from_world * Vec3(0, 0, 0) - camera_from_board * middle).norm(), 2e-3);
     EXPECT_LE((camera_from_world * Vec3(0.1, 0, 0) - camera_from_board * (middle + Vec3(0.1, 0, 0))).norm(),
@@ -232,10 +232,10 @@ TEST(Calibration, theWorldIsWhereTheNamedBoardLies) {
   EXPECT_NE(messageOf([&] { scene.calibrated(options); }).find("--world 1000"), std::string::npos);
 }
 
-TEST(Calibration, aCameraThatAgreesWithNoOtherIsNamed) {
+TEST(Calibration, ReportsCameraThatAgreesWithNoOther) {
   Scene scene;
   std::map<int, BoardView>& views = scene.views[3].views;
-  std::vector<BoardView> shuffled;  // its frames in any order
+  std::vector<BoardView> shuffled;  // its frames in a different order
   for (const auto& [frame, view] : views) shuffled.push_back(view);
   std::shuffle(shuffled.begin(), shuffled.end(), std::mt19937(5));
   std::size_t next = 0;
@@ -243,9 +243,9 @@ TEST(Calibration, aCameraThatAgreesWithNoOtherIsNamed) {
   EXPECT_NE(messageOf([&] { scene.calibrated(); }).find("\"cam3\""), std::string::npos);
 }
 
-TEST(Calibration, camerasThatAreNotSynchronisedAreSaidSo) {
+TEST(Calibration, ReportsUnsynchronizedCameras) {
   Scene scene;
-  // Camera 3 is a frame late in every third frame: the board is elsewhere by then.
+  // Camera 3 is one frame late in every third frame: the board has moved by then.
   std::map<int, BoardView>& views = scene.views[3].views;
   const std::map<int, BoardView> punctual = views;
   for (auto& [frame, view] : views)
@@ -255,7 +255,7 @@ TEST(Calibration, camerasThatAreNotSynchronisedAreSaidSo) {
   expectAccurate(scene.rig, found.rig);
 }
 
-/// Really drawn images through the detector, in image folders.
+/// Rendered images in folders, through the detector.
 class RecordingTest : public testing::Test {
  protected:
   void draw(const Scene& scene, int frames) {
@@ -264,7 +264,7 @@ class RecordingTest : public testing::Test {
   TemporaryFolder folder;
 };
 
-TEST_F(RecordingTest, renderedImagesGiveTheRig) {
+TEST_F(RecordingTest, RenderedImagesGiveTheRig) {
   const Scene scene;
   draw(scene, scene.wave.frames);
   BoardRecording recording(folder.path());
@@ -287,21 +287,21 @@ TEST_F(RecordingTest, renderedImagesGiveTheRig) {
     EXPECT_NE(message.find(word), std::string::npos) << message;
 }
 
-TEST_F(RecordingTest, theProgramWritesTheRig) {
+TEST_F(RecordingTest, ProgramWritesTheRig) {
   Wave wave;
   wave.frames = 32;
   const Scene scene(wave);
   draw(scene, wave.frames);
   const std::string rig = folder / "rig.toml", image = folder / "rig.png";
   const std::vector<std::string> board = {"--squares", "7x5", "--square-mm", "55", "--marker-mm", "41"};
-  const auto run = [&](std::vector<std::string> words, const RunOptions& options = {}) {
-    words.insert(words.begin(), {"calibrate", folder.path().string(), "--out", rig});
-    words.insert(words.end(), board.begin(), board.end());
-    return runAirclay(words, options);
+  const auto run = [&](std::vector<std::string> arguments, const RunOptions& options = {}) {
+    arguments.insert(arguments.begin(), {"calibrate", folder.path().string(), "--out", rig});
+    arguments.insert(arguments.end(), board.begin(), board.end());
+    return runAirclay(arguments, options);
   };
-  const Ran ran = run({"--json", "--image", image, "--world", "3", "--center", "0,0,0"});
-  ASSERT_EQ(ran.status, 0) << ran.errors;
-  const nlohmann::json figures = nlohmann::json::parse(ran.output);
+  const RunResult result = run({"--json", "--image", image, "--world", "3", "--center", "0,0,0"});
+  ASSERT_EQ(result.status, 0) << result.errors;
+  const nlohmann::json figures = nlohmann::json::parse(result.output);
   EXPECT_LE(figures.at("rms_px").get<double>(), 0.35);
   EXPECT_LE(figures.at("scale_error_mm").get<double>(), 0.5);
   ASSERT_EQ(figures.at("cameras").size(), 4u);
@@ -314,15 +314,15 @@ TEST_F(RecordingTest, theProgramWritesTheRig) {
   EXPECT_LE(error.central_mm, 0.12);
   EXPECT_LE(error.whole_mm, 0.7);
 
-  // Printed too small: the rig is of the measured size, and it is said.
-  const Ran measured = run({"--check-square-mm", "53.9"});
+  // Printed too small: the rig uses the measured size, and a message says so.
+  const RunResult measured = run({"--check-square-mm", "53.9"});
   EXPECT_EQ(measured.status, 0);
   EXPECT_NE(measured.errors.find("98.0 %"), std::string::npos) << measured.errors;
   EXPECT_NEAR(cubeError(scene.rig, readRig(rig)).scale, 53.9 / 55, 1e-3);
   EXPECT_EQ(run({"--check-square-mm", "5.5"}).status, 2);
 
   std::filesystem::remove(rig);
-  const Ran wrong = run({"--dictionary", "6X6_250"});
+  const RunResult wrong = run({"--dictionary", "6X6_250"});
   EXPECT_EQ(wrong.status, 1);
   EXPECT_EQ(wrong.errorLines().size(), 1u) << wrong.errors;
   EXPECT_NE(wrong.errors.find("4X4_50"), std::string::npos) << wrong.errors;
@@ -332,7 +332,7 @@ TEST_F(RecordingTest, theProgramWritesTheRig) {
   EXPECT_FALSE(std::filesystem::exists(rig));
 }
 
-/// The hand in the cameras of a rig, followed as if they were those of `believed`.
+/// The hand in the cameras of a rig, tracked as if they were those of `believed`.
 class Follower {
  public:
   explicit Follower(const Rig& believed) : pipeline_(testGpu(), believed, builtInHand(false)) {
@@ -346,8 +346,8 @@ class Follower {
                         poseError(result.trackedHand()->pose.world_from_hand, truth, Vec3::Zero()).shift_m);
   }
 
-  std::vector<std::span<std::uint8_t>> images;  ///< where the next ones go
-  std::vector<double> errors_mm;                ///< of the hand's place, frame by frame
+  std::vector<std::span<std::uint8_t>> images;  ///< buffers for the next ones
+  std::vector<double> errors_mm;                ///< of the hand's position, per frame
 
  private:
   Pipeline pipeline_;
@@ -362,8 +362,8 @@ double mean(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-// What calibrating costs in the end: the hand is found as well as if the cameras were known exactly.
-TEST_F(RecordingTest, theRecoveredRigTracksTheHandAsTheTrueOneDoes) {
+// The effect of calibration errors: tracking is as accurate as with exactly known cameras.
+TEST_F(RecordingTest, RecoveredRigTracksLikeTheTrueOne) {
   SyntheticOptions options;
   options.script = smallTakeScript();
   const Rig& truth = options.rig;
@@ -398,11 +398,11 @@ TEST_F(RecordingTest, theRecoveredRigTracksTheHandAsTheTrueOneDoes) {
   EXPECT_LE(mean(with_recovered.errors_mm) - mean(with_truth.errors_mm), 0.2);
 }
 
-TEST_F(RecordingTest, timestampsSayWhichFramesAreOneInstant) {
+TEST_F(RecordingTest, TimestampsMatchFrames) {
   Scene scene;
   scene.rig.cameras.resize(2);
   draw(scene, 6);
-  // Camera 1 missed the third instant: its frame 2 is instant 3. All but the last of its rows are used.
+  // Camera 1 missed the third instant: its frame 2 is instant 3. All except the last of its rows are used.
   std::string rows = "cam_id,frame_time\n";
   for (int frame = 0; frame < 6; ++frame)
     rows += "0," + std::to_string(0.1 * frame) + "\n1," +
@@ -423,7 +423,7 @@ TEST_F(RecordingTest, timestampsSayWhichFramesAreOneInstant) {
   }
 }
 
-TEST_F(RecordingTest, foldersThatAreNoRecordingAreRefused) {
+TEST_F(RecordingTest, RejectsOtherFolders) {
   EXPECT_NE(messageOf([&] { BoardRecording(folder / "none"); }).find("none"), std::string::npos);
   EXPECT_NE(messageOf([&] { BoardRecording(folder.path()); }).find("0 cameras"), std::string::npos);
   folder.write("left.mp4", "no video");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Bumped rigs put right: where the old world's points are found with the new rig, without any alignment.
+// Rigs with moved cameras, corrected: points of the old world are found with the new rig, without alignment.
 #include "capture/calibration/recalibration.h"
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ Camera bumpedAway(const Camera& camera) {
   return bumped(camera, Vec3(0.008, -0.006, std::sqrt(0.000044)), 1.5 * M_PI / 180 * Vec3(0.6, 0, 0.8));
 }
 
-/// A rig as it was calibrated, as it is after bumps, and what its cameras then saw of a waved board.
+/// A rig as calibrated, the same rig after cameras moved, and views of a moving board after that.
 struct BumpedScene {
   Rig old = ringRig(4, 640, 480), truth = old;
   Board board = a3Board();
@@ -32,8 +32,8 @@ struct BumpedScene {
   std::vector<Pose> boards;
   std::vector<CameraViews> views;
 
-  explicit BumpedScene(const std::vector<std::size_t>& moved, const Wave& wanted = {.frames = 30})
-      : wave(wanted) {
+  explicit BumpedScene(const std::vector<std::size_t>& moved, const Wave& options = {.frames = 30})
+      : wave(options) {
     for (const std::size_t camera : moved) truth.cameras[camera] = bumpedAway(truth.cameras[camera]);
     boards = wavedBoards(truth, board, wave);
     look();
@@ -56,7 +56,7 @@ std::vector<std::size_t> movedOnes(const Recalibration& found) {
   return moved;
 }
 
-/// The bumps moved a point in the cube by more than 5 mm; afterwards it is found in the old world.
+/// The moves shift a point in the workspace by more than 5 mm; afterwards it is found in the old world.
 void expectInPlace(const BumpedScene& scene, const Recalibration& found, double whole_mm = 0.3) {
   const CubeError error = cubeErrorInPlace(scene.truth, found.calibration.rig);
   EXPECT_LE(error.whole_mm, whole_mm);
@@ -65,18 +65,18 @@ void expectInPlace(const BumpedScene& scene, const Recalibration& found, double 
   EXPECT_EQ(found.calibration.rig.workspace.edge_m, scene.old.workspace.edge_m);
 }
 
-TEST(Recalibration, aBumpedCameraIsFoundAndTheWorldStays) {
+TEST(Recalibration, FindsAMovedCameraAndKeepsTheWorld) {
   for (const unsigned seed : {1u, 2u, 3u}) {
     SCOPED_TRACE(seed);
     BumpedScene scene({2}, {.frames = 30, .seed = seed});
     EXPECT_GE(cubeErrorInPlace(scene.truth, scene.old).whole_mm, 5);
-    std::swap(scene.views[0], scene.views[3]);  // recordings are in any order
+    std::swap(scene.views[0], scene.views[3]);  // recordings list cameras in any order
     const Recalibration found = scene.recalibrated();
     expectInPlace(scene, found);
     EXPECT_EQ(movedOnes(found), std::vector<std::size_t>{2});
     EXPECT_NEAR(found.changes[2].moved_mm, 12, 0.8);
     EXPECT_NEAR(found.changes[2].turned_deg, 1.5, 0.05);
-    // The bump was the cause, and it is gone: noise is left, two coordinates of it.
+    // The displacement is gone; the two coordinates of noise remain.
     EXPECT_GE(found.changes[2].rms_px_before, 5);
     EXPECT_GE(found.rms_px_before, 2);
     EXPECT_LE(found.changes[0].rms_px_before, 2);
@@ -95,7 +95,7 @@ TEST(Recalibration, aBumpedCameraIsFoundAndTheWorldStays) {
   }
 }
 
-TEST(Recalibration, aRigThatWasCalibratedWithNoiseIsPutRightToo) {
+TEST(Recalibration, CorrectsANoisyRig) {
   BumpedScene scene({1});
   const Wave calibrated{.frames = 60, .seed = 9};
   const Rig first = ringRig(4, 640, 480);
@@ -108,7 +108,7 @@ TEST(Recalibration, aRigThatWasCalibratedWithNoiseIsPutRightToo) {
   EXPECT_EQ(movedOnes(found), std::vector<std::size_t>{1});
 }
 
-TEST(Recalibration, camerasThatDidNotMoveAreAsBefore) {
+TEST(Recalibration, UnmovedCamerasStayUnchanged) {
   const BumpedScene scene({});
   const Recalibration found = scene.recalibrated();
   expectInPlace(scene, found);
@@ -117,7 +117,7 @@ TEST(Recalibration, camerasThatDidNotMoveAreAsBefore) {
   for (const CameraChange& change : found.changes) EXPECT_LE(change.moved_mm, 1);
 }
 
-TEST(Recalibration, twoBumpedCamerasOfFourAreFound) {
+TEST(Recalibration, FindsTwoMovedCamerasOfFour) {
   BumpedScene scene({});
   scene.truth.cameras[0] = bumped(scene.truth.cameras[0], Vec3(-0.02, 0.01, 0), Vec3(0, 0.03, 0.01));
   scene.truth.cameras[3] = bumpedAway(scene.truth.cameras[3]);
@@ -127,7 +127,7 @@ TEST(Recalibration, twoBumpedCamerasOfFourAreFound) {
   EXPECT_EQ(movedOnes(found), (std::vector<std::size_t>{0, 3}));
 }
 
-TEST(Recalibration, aCameraThatWasPutElsewhereIsFound) {
+TEST(Recalibration, FindsACameraAtANewPlace) {
   BumpedScene scene({});
   scene.truth.cameras[3] = bumped(scene.truth.cameras[3], Vec3(0.3, -0.05, 0.1), Vec3(0.05, -0.27, 0.2));
   scene.look();
@@ -136,7 +136,7 @@ TEST(Recalibration, aCameraThatWasPutElsewhereIsFound) {
   EXPECT_EQ(movedOnes(found), std::vector<std::size_t>{3});
 }
 
-TEST(Recalibration, ofTwoCamerasItIsNotKnownWhichOneMoved) {
+TEST(Recalibration, TwoCamerasLeaveTheMovedOneUnknown) {
   BumpedScene scene({1});
   for (Rig* rig : {&scene.old, &scene.truth}) rig->cameras.resize(2);
   scene.views.resize(2);
@@ -146,7 +146,7 @@ TEST(Recalibration, ofTwoCamerasItIsNotKnownWhichOneMoved) {
   EXPECT_LE(cubeError(scene.truth, found.calibration.rig).whole_mm, 0.5);
 }
 
-TEST(Recalibration, whereAllMovedItIsSaidAndTheRigIsRightInItself) {
+TEST(Recalibration, ReportsThatAllMovedAndKeepsARelativeRig) {
   BumpedScene scene({});
   for (std::size_t c = 0; c < 4; ++c)
     scene.truth.cameras[c] = bumped(scene.truth.cameras[c], Vec3(0.02 * (double(c) - 1.4), 0.01, 0),
@@ -157,10 +157,10 @@ TEST(Recalibration, whereAllMovedItIsSaidAndTheRigIsRightInItself) {
   EXPECT_EQ(movedOnes(found).size(), 4u);
   EXPECT_TRUE(anyMentions(found.calibration.warnings, "--world N"));
   EXPECT_LE(cubeError(scene.truth, found.calibration.rig).whole_mm, 0.3);
-  // The cube is about where the cameras had it.
+  // The workspace is approximately where the cameras placed it.
   EXPECT_LE(cubeErrorInPlace(scene.truth, found.calibration.rig).whole_mm, 50);
 
-  // A board on the table says where the world is: the cube stands on it.
+  // A board on the table defines the world: the workspace is above it.
   const Recalibration placed = scene.recalibrated({.world_frame = 7});
   EXPECT_FALSE(anyMentions(placed.calibration.warnings, "--world"));
   EXPECT_EQ(placed.calibration.rig.workspace.center, Vec3(0, 0, 0.3));
@@ -176,9 +176,9 @@ TEST(Recalibration, whereAllMovedItIsSaidAndTheRigIsRightInItself) {
             std::string::npos);
 }
 
-TEST(Recalibration, twoPairsThatAgreeOnlyWithinThemselvesAreSaid) {
+TEST(Recalibration, ReportsTwoPairsThatAgreeOnlyInternally) {
   BumpedScene scene({});
-  // One tripod bears cameras 0 and 1, and was pushed: they move about one place.
+  // One tripod carries cameras 0 and 1 and was moved: both move about one point.
   const Pose push = Pose(Eigen::Translation3d(0.02, 0, 0) * Eigen::AngleAxisd(0.03, Vec3::UnitZ()));
   for (const std::size_t c : {0u, 1u})
     scene.truth.cameras[c].camera_from_world = scene.truth.cameras[c].camera_from_world * push;
@@ -186,11 +186,11 @@ TEST(Recalibration, twoPairsThatAgreeOnlyWithinThemselvesAreSaid) {
   const Recalibration found = scene.recalibrated();
   EXPECT_TRUE(found.world_kept);
   EXPECT_EQ(movedOnes(found).size(), 2u);
-  for (const char* words : {"\"cam0\", \"cam1\"", "\"cam2\", \"cam3\"", "--world N"})
-    EXPECT_TRUE(anyMentions(found.calibration.warnings, words)) << words;
+  for (const char* text : {"\"cam0\", \"cam1\"", "\"cam2\", \"cam3\"", "--world N"})
+    EXPECT_TRUE(anyMentions(found.calibration.warnings, text)) << text;
 }
 
-TEST(Recalibration, threeSharedViewsOfACameraAreEnoughAndTwoAreNot) {
+TEST(Recalibration, ThreeSharedViewsAreEnough) {
   BumpedScene scene({2});
   std::map<int, BoardView>& views = scene.views[2].views;
   const auto isShared = [&](int frame) {
@@ -208,7 +208,7 @@ TEST(Recalibration, threeSharedViewsOfACameraAreEnoughAndTwoAreNot) {
             std::string::npos);
 }
 
-TEST(Recalibration, camerasWithoutSharedViewsAreNamed) {
+TEST(Recalibration, ReportsCamerasWithoutSharedViews) {
   BumpedScene scene({2});
   for (int frame = 0; frame < scene.wave.frames; ++frame)
     for (const int camera : frame % 2 ? std::vector{0, 1} : std::vector{2, 3})
@@ -218,7 +218,7 @@ TEST(Recalibration, camerasWithoutSharedViewsAreNamed) {
     EXPECT_NE(message.find(word), std::string::npos) << message;
 }
 
-TEST(Recalibration, camerasNeedOnlySeeTheBoardInPairs) {
+TEST(Recalibration, PairwiseViewsAreEnough) {
   BumpedScene scene({1}, {.frames = 45});
   for (int frame = 0; frame < scene.wave.frames; ++frame)
     for (int camera = 0; camera < 4; ++camera)
@@ -228,7 +228,7 @@ TEST(Recalibration, camerasNeedOnlySeeTheBoardInPairs) {
   EXPECT_EQ(movedOnes(found), std::vector<std::size_t>{1});
 }
 
-TEST(Recalibration, boardsUpsideDownAndPartlySeenDoAsWell) {
+TEST(Recalibration, AcceptsPartialAndUpsideDownBoards) {
   BumpedScene scene({0}, {.frames = 40});
   const Vec3 middle = 0.5 * scene.board.square_m * Vec3(7, 5, 0);
   const Pose half_turn = Pose(Eigen::Translation3d(middle) * Eigen::AngleAxisd(M_PI, Vec3::UnitZ()) *
@@ -238,7 +238,7 @@ TEST(Recalibration, boardsUpsideDownAndPartlySeenDoAsWell) {
   scene.look();
   for (CameraViews& camera : scene.views)
     for (auto& [frame, view] : camera.views) {
-      BoardView part;  // a hand hides the rest, another part for another camera
+      BoardView part;  // a hand covers a different part for each camera
       const int first = (frame + int(camera.name.back())) % 3;
       for (std::size_t i = 0; i < view.ids.size(); ++i)
         if (const int column = view.ids[i] % scene.board.cornersX(); column >= first && column < first + 4)
@@ -250,14 +250,14 @@ TEST(Recalibration, boardsUpsideDownAndPartlySeenDoAsWell) {
   EXPECT_EQ(movedOnes(found), std::vector<std::size_t>{0});
 }
 
-TEST(Recalibration, outliersDoNoHarm) {
+TEST(Recalibration, ToleratesOutliers) {
   const BumpedScene scene({2}, {.frames = 40, .outliers = 0.05});
   const Recalibration found = scene.recalibrated();
   expectInPlace(scene, found);
   EXPECT_EQ(movedOnes(found), std::vector<std::size_t>{2});
 }
 
-TEST(Recalibration, aLensThatWasChangedIsNamedAndNoOther) {
+TEST(Recalibration, ReportsOnlyTheChangedLens) {
   for (const double zoom : {0.97, 1.02, 1.2}) {
     SCOPED_TRACE(zoom);
     BumpedScene scene({2});
@@ -267,16 +267,15 @@ TEST(Recalibration, aLensThatWasChangedIsNamedAndNoOther) {
     scene.look();
     const Recalibration found = scene.recalibrated();
     ASSERT_EQ(found.calibration.warnings.size(), 1u);
-    for (const char* words : {"\"cam1\"", "zoom or focus", "airclay calibrate"})
-      EXPECT_NE(found.calibration.warnings[0].find(words), std::string::npos)
-          << found.calibration.warnings[0];
+    for (const char* text : {"\"cam1\"", "zoom or focus", "airclay calibrate"})
+      EXPECT_NE(found.calibration.warnings[0].find(text), std::string::npos) << found.calibration.warnings[0];
     EXPECT_NE(found.calibration.warnings[0].find(zoom > 1 ? "longer" : "shorter"), std::string::npos);
   }
 }
 
-TEST(Recalibration, aBoardOfAnotherSizeIsNoMovedRig) {
+TEST(Recalibration, RejectsABoardOfAnotherSize) {
   BumpedScene scene({2});
-  scene.board.square_m *= 0.98, scene.board.marker_m *= 0.98;  // 53.9 mm, it is said
+  scene.board.square_m *= 0.98, scene.board.marker_m *= 0.98;  // stated as 53.9 mm
   const std::string message = messageOf([&] { scene.recalibrated(); });
   EXPECT_NE(message.find("instead of 53.9 mm"), std::string::npos) << message;
   const std::size_t at = message.find("squares of ");
@@ -284,7 +283,7 @@ TEST(Recalibration, aBoardOfAnotherSizeIsNoMovedRig) {
   EXPECT_NEAR(std::stod(message.substr(at + 11)), 55, 0.06);
 }
 
-TEST(Recalibration, aWrongBoardSizeIsReportedAlthoughTwoAdjacentCamerasAgree) {
+TEST(Recalibration, ReportsWrongBoardSizeIfAdjacentCamerasAgree) {
   BumpedScene scene({});
   const Camera aside = bumped(scene.old.cameras[0], Vec3(0.03, 0, 0), Vec3::Zero());
   for (Rig* rig : {&scene.old, &scene.truth}) {
@@ -299,15 +298,15 @@ TEST(Recalibration, aWrongBoardSizeIsReportedAlthoughTwoAdjacentCamerasAgree) {
   EXPECT_TRUE(anyMentions(found.calibration.warnings, "instead of 53.9 mm"));
 }
 
-TEST(Recalibration, otherCamerasThanTheRigsAreNamed) {
+TEST(Recalibration, ReportsCamerasThatTheRigLacks) {
   BumpedScene scene({});
   scene.views[1].name = "left";
   std::string message = messageOf([&] { scene.recalibrated(); });
-  for (const char* words : {"the rig's \"cam1\"", "\"left\" is not in the rig", "would be right"})
-    EXPECT_NE(message.find(words), std::string::npos) << message;
+  for (const char* text : {"the rig's \"cam1\"", "\"left\" is not in the rig", "would be right"})
+    EXPECT_NE(message.find(text), std::string::npos) << message;
   EXPECT_EQ(message.find('\n'), std::string::npos);
   scene.views[1].name = "cam1";
-  scene.views[3].width *= 2, scene.views[3].height *= 2;  // a plain scaling, but none that is asked for
+  scene.views[3].width *= 2, scene.views[3].height *= 2;  // a valid scaling, but not a requested one
   message = messageOf([&] { scene.recalibrated(); });
   EXPECT_NE(message.find("\"cam3\": its images are 1280 x 960 pixels, the rig's 640 x 480"),
             std::string::npos)
@@ -317,23 +316,23 @@ TEST(Recalibration, otherCamerasThanTheRigsAreNamed) {
             std::string::npos);
 }
 
-/// The program, on drawn images.
-TEST(RecalibrateApp, WritesTheRigAndSaysWhichCameraMoved) {
+/// The program, on rendered images.
+TEST(RecalibrateApp, WritesTheRigAndNamesTheMovedCamera) {
   const TemporaryFolder folder;
   const BumpedScene scene({2}, {.frames = 16});
   const std::filesystem::path take = folder / "take";
   drawImages(take, scene.truth, scene.board, scene.boards);
   const std::string old = folder / "old.toml", out = folder / "new.toml", image = folder / "new.png";
   writeRig(old, scene.old);
-  const auto run = [&](const std::string& rig, std::vector<std::string> words,
+  const auto run = [&](const std::string& rig, std::vector<std::string> arguments,
                        const RunOptions& options = {}) {
-    words.insert(words.begin(), {"recalibrate", rig, take.string(), "--out", out, "--squares", "7x5",
-                                 "--square-mm", "55", "--marker-mm", "41"});
-    return runAirclay(words, options);
+    arguments.insert(arguments.begin(), {"recalibrate", rig, take.string(), "--out", out, "--squares", "7x5",
+                                         "--square-mm", "55", "--marker-mm", "41"});
+    return runAirclay(arguments, options);
   };
-  const Ran ran = run(old, {"--json", "--image", image});
-  ASSERT_EQ(ran.status, 0) << ran.errors;
-  const json figures = json::parse(ran.output);
+  const RunResult result = run(old, {"--json", "--image", image});
+  ASSERT_EQ(result.status, 0) << result.errors;
+  const json figures = json::parse(result.output);
   EXPECT_LE(figures.at("rms_px").get<double>(), 0.35);
   EXPECT_GE(figures.at("rms_px_before").get<double>(), 2);
   EXPECT_LE(figures.at("scale_error_mm").get<double>(), 0.5);
@@ -352,17 +351,17 @@ TEST(RecalibrateApp, WritesTheRigAndSaysWhichCameraMoved) {
   EXPECT_LE(cubeErrorInPlace(scene.truth, readRig(out)).whole_mm, 0.3);
   EXPECT_FALSE(cv::imread(image).empty());
 
-  const Ran told = run(old, {"--world", "3"});
-  EXPECT_EQ(told.status, 0) << told.errors;
-  for (const char* words : {"12.0 mm", "as before", "moved: cam2", "frame 3", out.c_str()})
-    EXPECT_NE(told.output.find(words), std::string::npos) << words << "\n" << told.output;
+  const RunResult printed = run(old, {"--world", "3"});
+  EXPECT_EQ(printed.status, 0) << printed.errors;
+  for (const char* text : {"12.0 mm", "as before", "moved: cam2", "frame 3", out.c_str()})
+    EXPECT_NE(printed.output.find(text), std::string::npos) << text << "\n" << printed.output;
   EXPECT_EQ(readRig(out).workspace.center, Vec3(0, 0, 0.3));
 
   std::filesystem::remove(out);
-  const auto refused = [&](const Ran& faulty, int status, const std::string& says) {
-    EXPECT_EQ(faulty.status, status) << says;
+  const auto refused = [&](const RunResult& faulty, int status, const std::string& expected) {
+    EXPECT_EQ(faulty.status, status) << expected;
     EXPECT_EQ(faulty.errorLines().size(), 1u) << faulty.errors;
-    EXPECT_NE(faulty.errors.find(says), std::string::npos) << faulty.errors;
+    EXPECT_NE(faulty.errors.find(expected), std::string::npos) << faulty.errors;
     EXPECT_FALSE(std::filesystem::exists(out));
   };
   Rig other = scene.old;

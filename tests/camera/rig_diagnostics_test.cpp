@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What is wrong with rigs: a good one has nothing, and each thing that is done to it is found and named.
+// Rig diagnostics: a good rig has no findings; each modification is found and named.
 #include "engine/camera/rig_diagnostics.h"
 
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ std::string shown(const std::vector<RigDiagnostic>& findings) {
   return text;
 }
 
-/// Turns and moves a camera's frame: camera_from_world becomes turn * camera_from_world * world.
+/// Rotates and moves a camera's frame: camera_from_world becomes turn * camera_from_world * world.
 void change(Camera& camera, const Mat3& turn, const Mat3& world = Mat3::Identity()) {
   camera.camera_from_world.linear() = turn * camera.camera_from_world.linear() * world;
   camera.camera_from_world.translation() = turn * camera.camera_from_world.translation();
@@ -38,7 +38,7 @@ Mat3 axes(double x, double y, double z) {
   return Vec3(x, y, z).asDiagonal();
 }
 
-TEST(RigFaults, areAllListedAndTheFirstIsThrown) {
+TEST(RigFaults, ListsAllAndThrowsTheFirst) {
   Rig rig = goodRig();
   EXPECT_EQ(shown(rigErrors(rig)), "");
   rig.cameras[0].name = "a/b";
@@ -62,7 +62,7 @@ TEST(RigFaults, areAllListedAndTheFirstIsThrown) {
   EXPECT_TRUE(isMeasurable(goodRig()));
 }
 
-TEST(RigFaults, ofAFileAreAllListed) {
+TEST(RigFaults, ListsAllOfAFile) {
   const TemporaryFolder folder;
   const std::string good =
       "matrix = [[560, 0, 320], [0, 560, 240], [0, 0, 1]]\ndistortions = [0, 0, 0, 0]\n"
@@ -83,21 +83,22 @@ TEST(RigFaults, ofAFileAreAllListed) {
   EXPECT_EQ(messageOf([&] { readRig(file); }), diagnosticMessage(reading.errors[0], file.string()));
 }
 
-struct Oddity {
+struct Defect {
   const char* name;
-  std::function<void(Rig&)> happen;
-  std::vector<std::string> said;  ///< by one finding, with the camera's name where it is one camera's
+  std::function<void(Rig&)> apply;
+  std::vector<std::string>
+      expected;  ///< text of one finding, with the camera's name if it concerns one camera
 };
 
-TEST(RigSuspicions, nameWhatHappenedToAGoodRig) {
+TEST(RigSuspicions, NameTheLikelyCause) {
   EXPECT_EQ(shown(rigWarnings(goodRig())), "");
-  const auto each = [](const std::function<void(Camera&)>& happen) {
-    return [happen](Rig& rig) { std::for_each(rig.cameras.begin(), rig.cameras.end(), happen); };
+  const auto each = [](const std::function<void(Camera&)>& apply) {
+    return [apply](Rig& rig) { std::for_each(rig.cameras.begin(), rig.cameras.end(), apply); };
   };
   const auto scaled = [&](double factor) {
     return each([factor](Camera& camera) { camera.camera_from_world.translation() *= factor; });
   };
-  const std::vector<Oddity> oddities = {
+  const std::vector<Defect> defects = {
       {"millimetres", scaled(1000), {"millimetres"}},
       {"centimetres", scaled(100), {"centimetres"}},
       {"metres taken for mm", scaled(1e-3), {"probably in metres"}},
@@ -140,16 +141,16 @@ TEST(RigSuspicions, nameWhatHappenedToAGoodRig) {
        {"of the cube is seen by two"}},
       {"far away", scaled(8), {"mm at the cube's centre"}},
   };
-  for (const Oddity& oddity : oddities) {
+  for (const Defect& defect : defects) {
     Rig rig = goodRig();
-    oddity.happen(rig);
+    defect.apply(rig);
     const std::vector<RigDiagnostic> findings = rigWarnings(rig);
     const bool is_found = std::any_of(findings.begin(), findings.end(), [&](const RigDiagnostic& finding) {
       const std::string line = diagnosticMessage(finding, "rig");
-      return std::all_of(oddity.said.begin(), oddity.said.end(),
-                         [&](const std::string& word) { return line.find(word) != std::string::npos; });
+      return std::all_of(defect.expected.begin(), defect.expected.end(),
+                         [&](const std::string& word) { return line.find(text) != std::string::npos; });
     });
-    EXPECT_TRUE(is_found) << oddity.name << ": " << shown(findings);
+    EXPECT_TRUE(is_found) << defect.name << ": " << shown(findings);
     for (const RigDiagnostic& finding : findings) {
       EXPECT_EQ(finding.severity, Severity::kWarning);
       EXPECT_EQ(finding.message.find('\n'), std::string::npos);
@@ -157,7 +158,7 @@ TEST(RigSuspicions, nameWhatHappenedToAGoodRig) {
   }
 }
 
-TEST(RigSuspicions, camerasSideBySideAreTooClose) {
+TEST(RigSuspicions, ReportAdjacentCameras) {
   Rig rig = ringRig(2, 640, 480);
   rig.cameras[1] = rig.cameras[0];
   rig.cameras[1].name = "beside";
@@ -167,8 +168,8 @@ TEST(RigSuspicions, camerasSideBySideAreTooClose) {
   EXPECT_EQ(shown(rigWarnings(rig)).find("leaves depth uncertain"), std::string::npos);
 }
 
-TEST(RigMetrics, areTheKnownOnes) {
-  // Two cameras 10 m away on the x and the y axis; the second is aimed so that it sees one half of the cube.
+TEST(RigMetrics, EqualKnownValues) {
+  // Two cameras 10 m away on the x and the y axis; the second one sees only half of the workspace.
   Rig rig;
   for (int i = 0; i < 2; ++i) {
     Camera camera;
@@ -198,7 +199,7 @@ TEST(RigMetrics, areTheKnownOnes) {
   EXPECT_NEAR(figures.seen_by_two_fraction, 0.5, 1e-9);
 }
 
-TEST(RigMetrics, axesMeetWhereTheCamerasLook) {
+TEST(RigMetrics, AxesMeetWhereTheCamerasLook) {
   Rig rig = goodRig();
   const Vec3 shift(0.3, -0.2, 1.7);
   for (Camera& camera : rig.cameras)
@@ -206,7 +207,7 @@ TEST(RigMetrics, axesMeetWhereTheCamerasLook) {
   const std::optional<Vec3> meet = axesIntersection(rig);
   ASSERT_TRUE(meet);
   EXPECT_LE((*meet - shift).norm(), 1e-9);
-  for (Camera& camera : rig.cameras) change(camera, axes(1, -1, -1));  // now it lies behind them
+  for (Camera& camera : rig.cameras) change(camera, axes(1, -1, -1));  // the cube is behind them
   EXPECT_FALSE(axesIntersection(rig));
   Rig parallel = ringRig(2);
   parallel.cameras[1] = parallel.cameras[0];
@@ -216,7 +217,7 @@ TEST(RigMetrics, axesMeetWhereTheCamerasLook) {
 
 // --- against silhouettes ---
 
-/// A sphere beside the middle, before a ring of cameras. The rig is changed, the silhouettes stay.
+/// A sphere off the centre, in front of a ring of cameras. The rig changes, the silhouettes stay.
 struct Scene {
   Rig rig = ringRig(4);
   std::vector<MaskSet> instants = {sphereMasks(rig, Vec3(0.08, -0.05, 0.06), 0.07),
@@ -227,7 +228,7 @@ struct Scene {
   }
 };
 
-TEST(RigAgreement, aTrueRigExplainsItsSilhouettes) {
+TEST(RigAgreement, TrueRigExplainsItsSilhouettes) {
   const Scene scene;
   for (const SilhouetteAgreement& camera : silhouetteAgreement(scene.rig, scene.instants)) {
     EXPECT_GT(camera.pixels, 500u);
@@ -237,11 +238,11 @@ TEST(RigAgreement, aTrueRigExplainsItsSilhouettes) {
   EXPECT_EQ(shown(scene.findings()), "");
 }
 
-TEST(RigAgreement, aWrongRigIsFoundAndWhatItIsDueTo) {
-  const auto each = [](const std::function<void(Camera&)>& happen) {
-    return [happen](Rig& rig) { std::for_each(rig.cameras.begin(), rig.cameras.end(), happen); };
+TEST(RigAgreement, DetectsAWrongRigAndItsCause) {
+  const auto each = [](const std::function<void(Camera&)>& apply) {
+    return [apply](Rig& rig) { std::for_each(rig.cameras.begin(), rig.cameras.end(), apply); };
   };
-  const std::vector<Oddity> oddities = {
+  const std::vector<Defect> defects = {
       {"millimetres", each([](Camera& c) { c.camera_from_world.translation() *= 1000; }), {"in millimetres"}},
       {"inverse",
        each([](Camera& c) { c.camera_from_world = c.camera_from_world.inverse(); }),
@@ -259,21 +260,21 @@ TEST(RigAgreement, aWrongRigIsFoundAndWhatItIsDueTo) {
        },
        {"camera \"cam3\"", "without it"}},
   };
-  for (const Oddity& oddity : oddities) {
+  for (const Defect& defect : defects) {
     Scene scene;
-    oddity.happen(scene.rig);
+    defect.apply(scene.rig);
     const std::vector<RigDiagnostic> findings = scene.findings();
-    ASSERT_EQ(findings.size(), 1u) << oddity.name;
-    for (const std::string& word : oddity.said)
-      EXPECT_NE(diagnosticMessage(findings[0], "rig").find(word), std::string::npos)
-          << oddity.name << ": " << shown(findings);
+    ASSERT_EQ(findings.size(), 1u) << defect.name;
+    for (const std::string& text : defect.expected)
+      EXPECT_NE(diagnosticMessage(findings[0], "rig").find(text), std::string::npos)
+          << defect.name << ": " << shown(findings);
     EXPECT_EQ(findings[0].severity, findings[0].camera.empty() ? Severity::kError : Severity::kWarning);
   }
 }
 
-TEST(RigAgreement, whatCannotBeExplainedIsSaid) {
+TEST(RigAgreement, ReportsUnexplainedDisagreement) {
   Scene scene;
-  for (std::size_t i = 0; i < 4; ++i)  // no two cameras' images are of the same instant
+  for (std::size_t i = 0; i < 4; ++i)  // the images of no two cameras are simultaneous
     scene.instants[0][i] = sphereMasks(
         scene.rig, 0.2 * Vec3(std::cos(1.6 * double(i)), std::sin(1.6 * double(i)), i % 2 ? 0.8 : -0.8),
         0.04)[i];
@@ -308,7 +309,7 @@ void writeMasks(const TemporaryFolder& folder, const Rig& rig, const MaskSet& ma
   }
 }
 
-TEST(TakeInspection, findsSilhouettesSizesAndWhatIsMissing) {
+TEST(TakeInspection, FindsSilhouettesSizesAndMissingFiles) {
   const TemporaryFolder folder;
   const Scene scene;
   writeMasks(folder, scene.rig, scene.instants[0]);
@@ -323,19 +324,20 @@ TEST(TakeInspection, findsSilhouettesSizesAndWhatIsMissing) {
 
   rig.cameras[0].width = 640;
   rig.cameras[3].name = "other";
-  const std::string said = shown(inspectTake(folder.path(), rig).findings);
-  EXPECT_NE(said.find("camera \"cam0\": it recorded 320 x 240 pixels; the rig's 640 x 240"),
+  const std::string findings = shown(inspectTake(folder.path(), rig).findings);
+  EXPECT_NE(findings.find("camera \"cam0\": it recorded 320 x 240 pixels; the rig's 640 x 240"),
             std::string::npos)
-      << said;
-  EXPECT_NE(said.find("silhouettes/other"), std::string::npos) << said;
+      << findings;
+  EXPECT_NE(findings.find("silhouettes/other"), std::string::npos) << findings;
   EXPECT_NE(messageOf([&] { inspectTake(folder / "none", rig); }).find("no such take"), std::string::npos);
 }
 
-TEST(TakeInspection, segmentsImagesBeforeAKnownBackground) {
+TEST(TakeInspection, SegmentsImagesWithAKnownBackground) {
   const TemporaryFolder folder;
   Rig rig = ringRig(3);
   const MaskSet masks = sphereMasks(rig, Vec3(0.03, 0.02, -0.04), 0.09);
-  const auto write = [](const std::filesystem::path& file, const Mask& mask) {  // dark before a light wall
+  const auto write = [](const std::filesystem::path& file,
+                        const Mask& mask) {  // dark in front of a light wall
     std::vector<std::uint8_t> rgba;
     for (const std::uint8_t pixel : mask.pixels) {
       const std::uint8_t grey = pixel ? 40 : 190;
@@ -353,13 +355,13 @@ TEST(TakeInspection, segmentsImagesBeforeAKnownBackground) {
   }
   const TakeInspection take = inspectTake(folder.path(), rig);
   EXPECT_EQ(shown(take.findings), "");
-  ASSERT_EQ(take.instants.size(), 1u);  // the empty one tells nothing
+  ASSERT_EQ(take.instants.size(), 1u);  // the empty one carries no information
   const std::vector<SilhouetteAgreement> agreement = silhouetteAgreement(rig, take.instants);
   for (const SilhouetteAgreement& camera : agreement) EXPECT_GE(camera.explainedFraction(), 0.99);
 
   std::filesystem::remove_all(folder.path() / "cam1");
-  const std::string said = shown(inspectTake(folder.path(), rig).findings);
-  EXPECT_NE(said.find("camera \"cam1\": the take has no frames of it"), std::string::npos) << said;
+  const std::string findings = shown(inspectTake(folder.path(), rig).findings);
+  EXPECT_NE(findings.find("camera \"cam1\": the take has no frames of it"), std::string::npos) << findings;
   std::filesystem::create_directories(folder.path() / "cam1");
   EXPECT_NE(shown(inspectTake(folder.path(), rig).findings).find("holds no image"), std::string::npos);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Rigs of other programs: files as these write them, with cameras whose places are known; and our files, read
-// as these programs read them.
+// Rigs of other programs: files as these programs write them, with known camera positions; and our files,
+// read as these programs read them.
 #include <gtest/gtest.h>
 #include <toml++/toml.h>
 
@@ -25,7 +25,7 @@ constexpr const char* kOnMinusX = "1.2091995761561452, -1.2091995761561452, 1.20
 constexpr const char* kOnYMatrix = "[[-1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, -1.0, 0.0]]";
 constexpr const char* kOnY = "0.0, 2.221441469079183, -2.221441469079183";  // 180 degrees about (0, 1, -1)
 
-/// The cameras stand on the two axes and look at the centre.
+/// The cameras are on the two axes and look at the centre.
 void expectOnAxes(const Rig& rig) {
   ASSERT_EQ(rig.cameras.size(), 2u);
   const Vec3 places[] = {Vec3(-1.2, 0, 0), Vec3(0, 1.2, 0)};
@@ -39,7 +39,7 @@ void expectOnAxes(const Rig& rig) {
   }
 }
 
-TEST(RigFormats, anipose) {
+TEST(RigFormats, ReadsAnipose) {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder.write("calibration.toml", std::string(R"([cam_0]
 name = "A"
@@ -68,7 +68,7 @@ error = 1.6680509250648916
   EXPECT_EQ(rig.cameras[1].width, 1440);
 }
 
-TEST(RigFormats, freeMoCap) {
+TEST(RigFormats, ReadsFreeMoCap) {
   const TemporaryFolder folder;
   const auto camera = [](const std::string& table, const std::string& rotation, const std::string& place) {
     return "[" + table + "]\nname = \"" + table +
@@ -93,7 +93,7 @@ TEST(RigFormats, freeMoCap) {
   EXPECT_EQ(rig.cameras[1].name, "Camera_001");
 }
 
-TEST(RigFormats, pose2Sim) {
+TEST(RigFormats, ReadsPose2Sim) {
   const TemporaryFolder folder;
   const auto camera = [](const std::string& table, const std::string& rotation) {
     return "[" + table + "]\nname = \"" + table +
@@ -109,7 +109,7 @@ TEST(RigFormats, pose2Sim) {
                                                    "[metadata]\nadjusted = false\nerror = 0.0\n"),
               RigUnits::kMetres);
   expectOnAxes(rig);
-  EXPECT_EQ(rig.cameras[0].name, "int_cam1_img");  // no table needs to be called cam
+  EXPECT_EQ(rig.cameras[0].name, "int_cam1_img");  // table names are arbitrary
   EXPECT_EQ(rig.cameras[0].width, 1088);
   EXPECT_EQ(rig.cameras[0].height, 1920);
   EXPECT_EQ(rig.cameras[1].lens.distortion[1], 0.0021);
@@ -119,7 +119,7 @@ const std::string kCaliscopeLens =
     "size = [1280, 720]\nmatrix = [[894.5, 0.0, 624.0], [0.0, 896.8, 361.2], [0.0, 0.0, 1.0]]\n"
     "distortions = [-0.338, 0.0967, -0.0013, 0.0031, -0.0037]\ntranslation = [0.0, 0.0, 1.2]\n";
 
-TEST(RigFormats, caliscopeOfToday) {
+TEST(RigFormats, ReadsCurrentCaliscope) {
   const TemporaryFolder folder;
   const Rig rig = readRig(folder.write(
       "camera_array.toml", "[cameras.0]\ncam_id = 0\nrotation_count = 0\nerror = 0.19\n" + kCaliscopeLens +
@@ -134,7 +134,7 @@ TEST(RigFormats, caliscopeOfToday) {
   EXPECT_EQ(rig.cameras[1].name, "cam_3");
 }
 
-TEST(RigFormats, caliscopeOfOld) {
+TEST(RigFormats, ReadsOldCaliscope) {
   const TemporaryFolder folder;
   const auto camera = [](const std::string& head, const std::string& rotation) {
     return head + "rotation_count = 0\nignore = false\n" + kCaliscopeLens + "rotation = " + rotation +
@@ -148,7 +148,7 @@ TEST(RigFormats, caliscopeOfOld) {
   EXPECT_EQ(rig.cameras.at(1).name, "port_2");
   EXPECT_LE((rig.cameras[1].camera_from_world.inverse().translation() - Vec3(0, 1.2, 0)).norm(), 1e-9);
 
-  // Before 2023 the cameras stood in config.toml among other tables, and no unit was written.
+  // Before 2023, config.toml contained the cameras among other tables, without a unit.
   const std::filesystem::path config = folder.write(
       "config.toml", "CreationDate = 2023-05-06T11:12:27.631355\ncamera_count = 0\n" +
                          camera("[cam_1]\ncam_id =1\n", "[" + std::string(kOnMinusX) + "]") +
@@ -165,7 +165,7 @@ std::string yamlMatrix(const std::string& key, const std::string& shape, const s
          "\r\n  dt: d\r\n  data: [" + data + "]\r\n";
 }
 
-/// As EasyMocap writes them: six digits, lines that end in CR LF.
+/// As EasyMocap writes them: six digits, CR LF line ends.
 void writeEasyMocapFiles(const TemporaryFolder& folder, const std::string& lens_key) {
   const std::string head = "%YAML:1.0\r\n---\r\nnames:\r\n  - \"01\"\r\n  - \"02\"\r\n";
   const std::string k =
@@ -187,7 +187,7 @@ void writeEasyMocapFiles(const TemporaryFolder& folder, const std::string& lens_
   folder.write("extri.yml", extri);
 }
 
-TEST(RigFormats, easyMocap) {
+TEST(RigFormats, ReadsEasyMocap) {
   const TemporaryFolder folder;
   for (const std::string lens_key : {"dist_", "D_"}) {
     writeEasyMocapFiles(folder, lens_key);
@@ -198,14 +198,14 @@ TEST(RigFormats, easyMocap) {
     EXPECT_EQ(reading.rig.cameras[0].height, 480);
     EXPECT_EQ(reading.rig.cameras[1].lens.distortion[0], 0.1);
     const Vec3 place = reading.rig.cameras[0].camera_from_world.inverse().translation();
-    EXPECT_LE((place - Vec3(-1.2, 0, 0)).norm(), 1e-5);  // of six digits
+    EXPECT_LE((place - Vec3(-1.2, 0, 0)).norm(), 1e-5);  // six digits
     EXPECT_LE((reading.rig.cameras[1].camera_from_world.inverse().translation() - Vec3(0, 1.2, 0)).norm(),
               1e-9);
   }
   EXPECT_EQ(readAnyRig(folder / "extri.yml", RigUnits::kAsWritten).rig.cameras.size(), 2u);
 }
 
-TEST(RigFormats, openCvsStereoCalibration) {
+TEST(RigFormats, ReadsOpenCvStereoCalibration) {
   const TemporaryFolder folder;
   const cv::Matx33d m1(534.8, 0, 335.7, 0, 534.8, 240.7, 0, 0, 1),
       m2(530.1, 0, 334.6, 0, 530.2, 242.1, 0, 0, 1);
@@ -226,9 +226,9 @@ TEST(RigFormats, openCvsStereoCalibration) {
   const ParsedRig reading = readAnyRig(folder / "intrinsics.yml", RigUnits::kMetres);
   ASSERT_TRUE(reading.errors.empty()) << reading.errors[0].message;
   ASSERT_EQ(reading.rig.cameras.size(), 2u);
-  EXPECT_EQ(reading.rig.cameras[0].width, 0);  // such a file does not say it
+  EXPECT_EQ(reading.rig.cameras[0].width, 0);  // such a file does not contain it
 
-  // A point's pixels are OpenCV's, in both images.
+  // A point's pixels equal OpenCV's in both images.
   const cv::Point3d point(0.2, -0.1, 1.3);
   for (const int i : {0, 1}) {
     std::vector<cv::Point2d> pixels;
@@ -248,7 +248,7 @@ TEST(RigFormats, openCvsStereoCalibration) {
   EXPECT_NE(messageOf([&] { readAnyRig(one_camera, RigUnits::kMetres); }).find("no pose"), std::string::npos);
 }
 
-TEST(RigFormats, longDistortionsMustEndInZeros) {
+TEST(RigFormats, LongDistortionsMustEndInZeros) {
   CameraEntry entry;
   entry.name = "left";
   entry.width = 640, entry.height = 480;
@@ -267,7 +267,7 @@ TEST(RigFormats, longDistortionsMustEndInZeros) {
   EXPECT_NE(messageOf([&] { cameraFromEntry(entry, "file"); }).find("fisheye"), std::string::npos);
 }
 
-TEST(RigFormats, aMissingSizeComesFromTheImages) {
+TEST(RigFormats, MissingSizeComesFromTheImages) {
   const TemporaryFolder folder;
   const Rig rig = ringRig(2, 64, 48);
   writeRig(folder / "rig.toml", rig);
@@ -287,9 +287,9 @@ TEST(RigFormats, aMissingSizeComesFromTheImages) {
   EXPECT_EQ(take.rig().cameras[1].height, 48);
 }
 
-// --- what we write ---
+// --- our writer ---
 
-/// A ring of cameras with every kind of lens, an upside-down one among them, and a cube off the origin.
+/// A ring of cameras with every kind of lens, an upside-down one among them, and a workspace off the origin.
 Rig variousRig() {
   Rig rig = ringRig(4, 640, 480);
   rig.workspace.center = Vec3(0.01, 1.0 / 3, -0.02);
@@ -327,7 +327,7 @@ void expectSame(const Rig& a, const Rig& b) {
 
 constexpr const char* kForms[] = {"airclay", "anipose", "caliscope", "pose2sim", "easymocap"};
 
-/// Writes and reads again; for EasyMocap a folder.
+/// Writes and reads back; a folder for EasyMocap.
 Rig throughForm(const TemporaryFolder& folder, const std::string& form, const Rig& rig) {
   const std::filesystem::path out = folder / (form == "easymocap" ? form : form + ".toml");
   if (form == "easymocap") std::filesystem::create_directories(out);
@@ -335,7 +335,7 @@ Rig throughForm(const TemporaryFolder& folder, const std::string& form, const Ri
   return readAnyRig(out, RigUnits::kAsWritten).validRig();
 }
 
-TEST(RigFormats, everyFormComesBackAsTheSameRig) {
+TEST(RigFormats, EveryFormatRoundTrips) {
   const TemporaryFolder folder;
   Rig rig = variousRig();
   for (const std::string form : kForms) {
@@ -345,7 +345,7 @@ TEST(RigFormats, everyFormComesBackAsTheSameRig) {
   rig.cameras[0].lens.model = LensModel::kFisheye;
   rig.cameras[0].lens.distortion = {-0.02, 0.003, 0.001, -0.0005, 0, 0, 0, 0};
   rig.cameras[0].lens = withMonotonicRange(rig.cameras[0].lens);
-  rig.cameras[1].name = "metadata";  // a name that would be another table's
+  rig.cameras[1].name = "metadata";  // the name of another table
   rig.cameras[2].name = "the \"left\" one.1";
   for (const std::string form : {"airclay", "anipose", "caliscope", "pose2sim"}) {
     SCOPED_TRACE(form);
@@ -354,7 +354,7 @@ TEST(RigFormats, everyFormComesBackAsTheSameRig) {
   EXPECT_FALSE(rigFormatNamed("matlab"));
 }
 
-/// A table as the Python programs take it: what they look up must be there, in the shape that they need.
+/// A table as the Python programs read it: the keys that they use must exist in the expected shape.
 void expectCameraTable(const toml::table& table, const Camera& camera) {
   const toml::array* matrix = table["matrix"].as_array();
   ASSERT_TRUE(matrix && matrix->size() == 3 && matrix->get(0)->as_array()->size() == 3);
@@ -368,13 +368,13 @@ void expectCameraTable(const toml::table& table, const Camera& camera) {
   for (int i = 0; i < 9; ++i)
     EXPECT_NEAR(turned.at<double>(i / 3, i % 3), camera.camera_from_world.linear()(i / 3, i % 3), 1e-9);
   EXPECT_EQ(table["size"][0].value<double>(), camera.width);
-  // Python's older TOML reader takes no array of whole numbers and others.
+  // Python's older TOML reader accepts no array that mixes integers and floats.
   EXPECT_TRUE(table["distortions"].as_array()->is_homogeneous<double>());
   for (const toml::node& row : *matrix) EXPECT_TRUE(row.as_array()->is_homogeneous<double>());
   EXPECT_TRUE(table["translation"].as_array()->is_homogeneous<double>());
 }
 
-TEST(RigFormats, aniposeAndPose2SimFindCamerasAlone) {
+TEST(RigFormats, AniposeAndPose2SimFindOnlyCameras) {
   const TemporaryFolder folder;
   const Rig rig = variousRig();
   for (const std::string form : {"anipose", "pose2sim"}) {
@@ -393,7 +393,7 @@ TEST(RigFormats, aniposeAndPose2SimFindCamerasAlone) {
   }
 }
 
-TEST(RigFormats, caliscopeFindsNumberedCameras) {
+TEST(RigFormats, CaliscopeFindsNumberedCameras) {
   const TemporaryFolder folder;
   Rig rig = variousRig();
   for (const bool are_numbered : {false, true}) {
@@ -409,12 +409,12 @@ TEST(RigFormats, caliscopeFindsNumberedCameras) {
       EXPECT_EQ(camera["fisheye"].value<bool>(), false);
       expectCameraTable(*camera.as_table(), rig.cameras[i]);
     }
-    // Without numbers of their own, the videos must be renamed; and 8 coefficients are said.
+    // Without numbers in their names, the videos must be renamed; and 8 coefficients are noted.
     EXPECT_EQ(rigFormatNotes(RigFormat::kCaliscope, rig).size(), are_numbered ? 1u : 5u);
   }
 }
 
-TEST(RigFormats, easyMocapsReaderFindsItsKeys) {
+TEST(RigFormats, EasyMocapFindsItsKeys) {
   const TemporaryFolder folder;
   const Rig rig = variousRig();
   throughForm(folder, "easymocap", rig);
@@ -432,7 +432,7 @@ TEST(RigFormats, easyMocapsReaderFindsItsKeys) {
     extri["T_" + camera.name] >> shift;
     cv::Rodrigues(turn, turned);
     ASSERT_EQ(shift.size(), cv::Size(1, 3));
-    // A point falls where it falls for us, with that program's way of reading.
+    // A point's projection is the same with that program's conventions.
     std::vector<cv::Point2d> pixels;
     const Vec3 point = rig.workspace.center + Vec3(0.05, -0.04, 0.03);
     cv::projectPoints(std::vector<cv::Point3d>{{point.x(), point.y(), point.z()}}, turn, shift, k, dist,
@@ -443,7 +443,7 @@ TEST(RigFormats, easyMocapsReaderFindsItsKeys) {
   }
 }
 
-TEST(RigFormats, whatAFormCannotSayIsRefusedOrSaid) {
+TEST(RigFormats, UnsupportedLensesAreRejectedOrNoted) {
   const TemporaryFolder folder;
   Rig rig = variousRig();
   rig.cameras[1].name = "left.front";
@@ -458,7 +458,7 @@ TEST(RigFormats, whatAFormCannotSayIsRefusedOrSaid) {
   EXPECT_TRUE(rigFormatNotes(RigFormat::kAnipose, rig).empty());
 }
 
-TEST(RigFormats, easyMocapsFaultsAreAllListed) {
+TEST(RigFormats, ListsAllEasyMocapErrors) {
   const TemporaryFolder folder;
   writeEasyMocapFiles(folder, "dist_");
   std::string extri = readWhole(folder / "extri.yml", 1 << 20);

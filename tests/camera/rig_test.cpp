@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Lenses against OpenCV's projection and a dense scan; rig files against what they say, and against what they
-// must not.
+// Lenses compared with OpenCV's projection and a dense scan; rig files, valid and
+// invalid.
 #include "engine/camera/rig.h"
 
 #include <gtest/gtest.h>
@@ -60,7 +60,7 @@ Vec2 projectByOpenCv(const Lens& lens, const Vec3& point) {
   return {pixels[0].x, pixels[0].y};
 }
 
-/// A point at `angle` from the axis, turned by `turn` about it.
+/// A point at `angle` from the axis, rotated by `turn` about it.
 Vec3 pointAt(double angle, double turn, double distance) {
   return distance * Vec3(std::sin(angle) * std::cos(turn), std::sin(angle) * std::sin(turn), std::cos(angle));
 }
@@ -69,7 +69,7 @@ double limitAngle(const Lens& lens) {
   return lens.model == LensModel::kFisheye ? lens.monotonic_limit : std::atan(lens.monotonic_limit);
 }
 
-TEST(Lens, projectsAsOpenCvDoes) {
+TEST(Lens, ProjectionEqualsOpenCv) {
   for (const auto& [name, lens] : lenses()) {
     int compared = 0;
     for (double angle = 0; angle < std::min(limitAngle(lens), 1.2); angle += 0.01)
@@ -78,7 +78,7 @@ TEST(Lens, projectsAsOpenCvDoes) {
         const std::optional<Vec2> ours = projectThroughLens(lens, point);
         ASSERT_TRUE(ours) << name;
         const Vec2 theirs = projectByOpenCv(lens, point);
-        // 1e-9 px over the image; what a wide lens throws far beyond it is compared relative to its
+        // 1e-9 px within the image; far outside, with a wide lens, the error is relative to the
         // distance.
         ASSERT_LE((*ours - theirs).norm(), 1e-9 * std::max(1.0, theirs.norm() / 1000))
             << name << " at " << angle;
@@ -88,9 +88,10 @@ TEST(Lens, projectsAsOpenCvDoes) {
   }
 }
 
-/// The end of the range by walking along the curve: where the bent radius first shrinks, or jumps at a pole.
+/// The end of the range by walking along the curve: where the distorted radius first decreases, or jumps at a
+/// pole.
 double scannedLimit(const Lens& lens, double end, double step) {
-  Lens radial = lens;  // the radial part alone, read off the x axis
+  Lens radial = lens;  // only the radial part, read off the x axis
   if (lens.model == LensModel::kPerspective) radial.distortion[2] = radial.distortion[3] = 0;
   radial.monotonic_limit = std::numeric_limits<double>::infinity();
   double before = 0;
@@ -103,7 +104,7 @@ double scannedLimit(const Lens& lens, double end, double step) {
   return end;
 }
 
-TEST(Lens, monotonicRangeEndsWhereADenseScanTurns) {
+TEST(Lens, MonotonicRangeEqualsADenseScan) {
   const double step = 1e-4;
   int finite = 0;
   for (const auto& [name, lens] : lenses()) {
@@ -113,14 +114,14 @@ TEST(Lens, monotonicRangeEndsWhereADenseScanTurns) {
       EXPECT_GE(lens.monotonic_limit, end - 1e-12) << name;
       continue;
     }
-    // The scan notices the turn within two steps; near a flat summit it is no finer.
+    // The scan detects the maximum within two steps; near a flat maximum it is no finer.
     EXPECT_NEAR(lens.monotonic_limit, scanned, 2 * step) << name;
     ++finite;
   }
   EXPECT_GE(finite, 4);
 }
 
-TEST(Lens, monotonicRangeOfRandomCoefficients) {
+TEST(Lens, MonotonicRangeOfRandomCoefficients) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> any(-0.6, 0.6);
   int turning = 0;
@@ -140,7 +141,7 @@ TEST(Lens, monotonicRangeOfRandomCoefficients) {
   EXPECT_GT(turning, 20);
 }
 
-TEST(Lens, seesNothingBehindOrBeyondItsRange) {
+TEST(Lens, ProjectsNothingBehindOrBeyondItsRange) {
   const Lens barrel = makeLens(LensModel::kPerspective, {-0.6, 0.05, 2e-3, 1e-3, 0}, 300);
   const double limit = barrel.monotonic_limit;
   EXPECT_TRUE(projectThroughLens(barrel, {0.999 * limit, 0, 1}));
@@ -152,9 +153,9 @@ TEST(Lens, seesNothingBehindOrBeyondItsRange) {
   }
 }
 
-TEST(Lens, rayThroughPixelIsProjectionsInverse) {
+TEST(Lens, RayThroughPixelInvertsProjection) {
   for (const auto& [name, lens] : lenses()) {
-    // To 0.5% of the end of the range, where the curve is flat and its inverse has no digits left.
+    // Up to 0.5% before the end of the range, where the curve is flat and its inverse loses all digits.
     const double end = std::min(0.995 * limitAngle(lens), 1.3);
     for (double angle = 0; angle < end; angle += 0.013)
       for (double turn = 0; turn < 6.28; turn += 0.41) {
@@ -163,7 +164,7 @@ TEST(Lens, rayThroughPixelIsProjectionsInverse) {
         ASSERT_TRUE(pixel) << name;
         const std::optional<Vec3> ray = rayThroughPixel(lens, *pixel);
         const bool near_end = lens.distortion[2] != 0 && angle > 0.95 * limitAngle(lens);
-        if (near_end && !ray) continue;  // tangential terms may fold the very rim over
+        if (near_end && !ray) continue;  // tangential terms may fold over at the edge
         ASSERT_TRUE(ray) << name << " at " << angle << ", " << turn;
         EXPECT_NEAR(ray->norm(), 1, 1e-14);
         EXPECT_LE((*projectThroughLens(lens, *ray) - *pixel).norm(), 1e-7) << name << " at " << angle;
@@ -173,7 +174,7 @@ TEST(Lens, rayThroughPixelIsProjectionsInverse) {
   }
 }
 
-TEST(Lens, noRayWhereNoLightArrives) {
+TEST(Lens, NoRayForUnreachablePixels) {
   const Lens barrel = makeLens(LensModel::kPerspective, {-0.6, 0.05, 0, 0, 0}, 300);
   const double reach =
       projectThroughLens(barrel, {barrel.monotonic_limit * (1 - 1e-9), 0, 1})->x() - barrel.cx;
@@ -183,7 +184,7 @@ TEST(Lens, noRayWhereNoLightArrives) {
   EXPECT_FALSE(rayThroughPixel(fisheye, {fisheye.cx + 3 * fisheye.fx, fisheye.cy}));
 }
 
-TEST(Camera, seesPixelsFromHalfBeforeTheFirstToHalfPastTheLast) {
+TEST(Camera, ImageExtendsHalfAPixelBeyondPixelCentres) {
   Camera camera;
   camera.width = 640, camera.height = 480;
   camera.lens.fx = camera.lens.fy = 512, camera.lens.cx = 320, camera.lens.cy = 240;
@@ -236,7 +237,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return text.replace(at, from.size(), to);
 }
 
-TEST(RigFile, saysWhatIsWritten) {
+TEST(RigFile, ReadsWrittenValues) {
   const TemporaryFolder folder;
   const Rig rig = readRig(folder.write("rig.toml", kRig));
   ASSERT_EQ(rig.cameras.size(), 2u);
@@ -247,7 +248,7 @@ TEST(RigFile, saysWhatIsWritten) {
   EXPECT_EQ(left.lens.fy, 561.0);
   EXPECT_EQ(left.lens.model, LensModel::kPerspective);
   EXPECT_EQ(left.lens.distortion, (std::array<double, 8>{-0.1, 0.03, 0.001, -0.002, 0.004, 0, 0, 0}));
-  // 120 degrees about (1, -1, 1) sends x to -y, y to -z, z to x.
+  // 120 degrees about (1, -1, 1) map x to -y, y to -z, z to x.
   Mat3 expected;
   expected << 0, 0, 1, -1, 0, 0, 0, -1, 0;
   const bool is_it = left.camera_from_world.linear().isApprox(expected, 1e-12) ||
@@ -259,7 +260,7 @@ TEST(RigFile, saysWhatIsWritten) {
   EXPECT_EQ(rig.workspace.center, Vec3(0.01, 0.02, 0.03));
 }
 
-TEST(RigFile, rodriguesIsOpenCvs) {
+TEST(RigFile, RodriguesEqualsOpenCv) {
   const TemporaryFolder folder;
   const Rig rig = readRig(folder.write("rig.toml", kRig));
   cv::Mat matrix;
@@ -270,7 +271,7 @@ TEST(RigFile, rodriguesIsOpenCvs) {
       EXPECT_NEAR(rig.cameras[0].camera_from_world.linear()(r, c), matrix.at<double>(r, c), 1e-14);
 }
 
-TEST(RigFile, unitsScaleTranslationsAlone) {
+TEST(RigFile, UnitsScaleOnlyTranslations) {
   const TemporaryFolder folder;
   std::string text = replaced(kRig, "translation = [0.0, 0.0, 1.2]", "translation = [0.0, 0.0, 1200.0]");
   text = replaced(text, "translation = [0, 0, 1.2]", "translation = [0, 0, 1200]");
@@ -285,7 +286,7 @@ TEST(RigFile, unitsScaleTranslationsAlone) {
               1e-12);
 }
 
-TEST(RigFile, namesMayBeFilesPathsOrNumbers) {
+TEST(RigFile, AcceptsFilesPathsAndNumbersAsNames) {
   const TemporaryFolder folder;
   const auto nameOf = [&](const std::string& written) {
     return readRig(folder.write("rig.toml", replaced(kRig, "\"left\"", written))).cameras[0].name;
@@ -298,7 +299,7 @@ TEST(RigFile, namesMayBeFilesPathsOrNumbers) {
   EXPECT_EQ(nameOf("0"), "0");
 }
 
-TEST(RigFile, aSecondCameraOfOneNameIsRefusedWithItsLine) {
+TEST(RigFile, RejectsDuplicateNameWithItsLine) {
   const TemporaryFolder folder;
   const std::string fault = messageOf(
       [&] { readRig(folder.write("rig.toml", replaced(kRig, "name = \"right\"", "name = \"left.mp4\""))); });
@@ -306,23 +307,23 @@ TEST(RigFile, aSecondCameraOfOneNameIsRefusedWithItsLine) {
     EXPECT_NE(fault.find(part), std::string::npos) << fault;
 }
 
-TEST(RigFile, windowsFilesAreRead) {
+TEST(RigFile, ReadsWindowsFiles) {
   const TemporaryFolder folder;
   std::string text = "\xef\xbb\xbf";
   for (const char c : std::string(kRig)) text += c == '\n' ? "\r\n" : std::string(1, c);
   EXPECT_EQ(readRig(folder.write("rig.toml", text)).cameras.size(), 2u);
 }
 
-TEST(RigFile, camerasStandInTheFilesOrder) {
+TEST(RigFile, CamerasKeepFileOrder) {
   const TemporaryFolder folder;
   const std::string text = replaced(replaced(kRig, "[cam_0]\nname = \"left\"", "[cam_2]"),
                                     "[cam_1]\nname = \"right\"", "[cam_10]");
   const Rig rig = readRig(folder.write("rig.toml", text));
-  EXPECT_EQ(rig.cameras[0].name, "cam_2");  // the table's name stands in for a missing one
+  EXPECT_EQ(rig.cameras[0].name, "cam_2");  // the table's name replaces a missing one
   EXPECT_EQ(rig.cameras[1].name, "cam_10");
 }
 
-TEST(RigFile, readsCaliscopesCameraArray) {
+TEST(RigFile, ReadsCaliscopeCameraArray) {
   const TemporaryFolder folder;
   const std::string camera =
       "size = [640, 480]\nmatrix = [[560, 0, 319.5], [0, 560, 239.5], [0, 0, 1]]\n"
@@ -341,7 +342,7 @@ TEST(RigFile, readsCaliscopesCameraArray) {
   EXPECT_EQ(rig.workspace.edge_m, 0.6);
 }
 
-TEST(RigFile, comesBackAsItWasWritten) {
+TEST(RigFile, RoundTripIsExact) {
   const TemporaryFolder folder;
   Rig rig = readRig(folder.write("rig.toml", kRig));
   rig.cameras[0].name = "a \"quoted\" name";
@@ -365,7 +366,7 @@ TEST(RigFile, comesBackAsItWasWritten) {
   EXPECT_EQ(again.workspace.edge_m, rig.workspace.edge_m);
 }
 
-TEST(RigFile, aMatrixWithFewDigitsBecomesARotation) {
+TEST(RigFile, RoundedMatrixBecomesARotation) {
   const TemporaryFolder folder;
   const std::string few = replaced(kRig, "[[-1, 0, 0], [0, 0, -1], [0, -1, 0]]",
                                    "[[-0.9998, 0.0174, 0], [0, 0, -1], [-0.0174, -0.9998, 0]]");
@@ -375,11 +376,11 @@ TEST(RigFile, aMatrixWithFewDigitsBecomesARotation) {
 }
 
 struct BadRig {
-  const char *from, *to;              // what is changed in kRig
-  std::vector<const char*> mentions;  // what the message must say beside the file
+  const char *from, *to;              // replacement in kRig
+  std::vector<const char*> mentions;  // required in the message besides the file
 };
 
-TEST(RigFile, refusesWhatIsMalformedOrImplausible) {
+TEST(RigFile, RejectsMalformedAndImplausibleRigs) {
   const std::vector<BadRig> cases{
       {"560.0", "nan", {"cam_0", "matrix"}},
       {"560.0", "-560.0", {"left", "matrix"}},
@@ -429,7 +430,7 @@ TEST(RigFile, refusesWhatIsMalformedOrImplausible) {
   EXPECT_NE(messageOf([&] { readRig(folder.write("empty.toml", "")); }).find("no camera"), std::string::npos);
 }
 
-TEST(RigFile, refusesTooManyCamerasAndCamerasInOnePlace) {
+TEST(RigFile, RejectsTooManyAndCoincidentCameras) {
   const TemporaryFolder folder;
   const Rig rig = readRig(folder.write("rig.toml", kRig));
   const auto faultOf = [&](const Rig& changed) { return messageOf([&] { checkRig(changed, "a.toml"); }); };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Clocks told from motion whose truth is known.
+// Clock offsets estimated from known motion.
 #include "capture/cameras/clock_offsets.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 namespace airclay {
 namespace {
 
-/// A hand that moves freely about the cube, as cameras around it see it, each with a clock of its own.
+/// A hand that moves freely in the workspace, seen by cameras with individual clocks.
 struct Motion {
   double seconds = 20, noise_px = 0.3, bias_m = 0;
   bool along_a_line = false;
@@ -33,7 +33,8 @@ struct Motion {
     }
     return point;
   }
-  /// `bias_m`: each camera sees the hand's centre elsewhere, and that changes as the hand turns.
+  /// `bias_m`: each camera sees the hand's centre displaced, and the displacement changes as the hand
+  /// rotates.
   Vec3 centreFor(std::size_t camera, double time_s) const {
     const double turn = 2 * M_PI * 0.21 * time_s + 2.3 * double(camera);
     return at(time_s) + bias_m * Vec3(std::sin(turn), std::cos(1.3 * turn), std::sin(0.7 * turn));
@@ -44,7 +45,7 @@ struct Motion {
     std::vector<MotionSeries> all(offsets_s.size());
     for (std::size_t c = 0; c < offsets_s.size(); ++c)
       for (int k = 0; k < seconds * 30; ++k) {
-        const double time_s = (k + 0.23 * double(c)) / 30;  // shutters are not in step either
+        const double time_s = (k + 0.23 * double(c)) / 30;  // shutters are not synchronized either
         const auto pixel = project(rig.cameras[c], centreFor(c, time_s));
         if (!pixel) continue;
         all[c].times_s.push_back(time_s + offsets_s[c]);
@@ -64,7 +65,7 @@ struct Motion {
 
 const std::vector<double> kOffsetsS = {0, 0.0123, -0.041, 0.0875};
 
-TEST(ClockOffsets, AreFoundFromFreeMotion) {
+TEST(ClockOffsets, EstimatedFromFreeMotion) {
   for (unsigned seed = 1; seed <= 6; ++seed) {
     Motion motion;
     motion.seed = seed;
@@ -74,7 +75,7 @@ TEST(ClockOffsets, AreFoundFromFreeMotion) {
   }
 }
 
-TEST(ClockOffsets, AreFoundFromMotionAlongALineAndByTwoCameras) {
+TEST(ClockOffsets, EstimatedFromLinearMotionAndByTwoCameras) {
   Motion line;
   line.along_a_line = true;
   EXPECT_LT(line.worst({0, 0.03, -0.1, 0.2}), 0.002);
@@ -83,7 +84,7 @@ TEST(ClockOffsets, AreFoundFromMotionAlongALineAndByTwoCameras) {
   EXPECT_LT(two.worst({0, 0.03}), 0.002);
 }
 
-TEST(ClockOffsets, CentresThatAreNotOnePointAndABumpedRigDoLittle) {
+TEST(ClockOffsets, TolerateInexactCentresAndAMovedCamera) {
   Motion motion;
   motion.bias_m = 0.01;
   EXPECT_LT(motion.worst(kOffsetsS), 0.005);
@@ -95,7 +96,7 @@ TEST(ClockOffsets, CentresThatAreNotOnePointAndABumpedRigDoLittle) {
   for (std::size_t c = 0; c < 4; ++c) EXPECT_NEAR(found.offset_s[c], kOffsetsS[c], 0.003);
 }
 
-TEST(ClockOffsets, WhatCannotBeToldIsRefused) {
+TEST(ClockOffsets, RejectUnobservableOffsets) {
   const auto refusal = [](const Motion& motion) {
     return messageOf([&] { estimateClockOffsets(motion.rig, motion.seen(kOffsetsS)); });
   };
@@ -104,7 +105,7 @@ TEST(ClockOffsets, WhatCannotBeToldIsRefused) {
   EXPECT_NE(refusal(brief).find("too short"), std::string::npos);
   EXPECT_NE(refusal(brief).find("cam0"), std::string::npos);
 
-  // nobody moves: noise alone
+  // nothing moves: only noise
   std::vector<MotionSeries> still(4);
   std::mt19937 random(1);
   std::normal_distribution<double> noise(0, 1);
@@ -116,7 +117,7 @@ TEST(ClockOffsets, WhatCannotBeToldIsRefused) {
   const Rig rig = ringRig(4, 640, 480);
   EXPECT_NE(messageOf([&] { estimateClockOffsets(rig, still); }).find("one motion"), std::string::npos);
 
-  // a pendulum of 4 Hz looks the same a quarter of a second later
+  // a pendulum of 4 Hz looks the same after a quarter of a second
   std::vector<MotionSeries> pendulum(4);
   for (std::size_t c = 0; c < 4; ++c)
     for (int k = 0; k < 300; ++k) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Cameras as they run: frames matched by their times, what fails and comes back.
+// Live cameras: matching frames by their times, failures and recovery.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -26,7 +26,7 @@ constexpr std::nullopt_t kMissing = std::nullopt;
 
 // ----------------------------------------------------------------------------------------- FrameMatcher
 
-/// In milliseconds, and ids count a camera's frames from 0.
+/// Times in milliseconds; ids count a camera's frames from 0.
 struct Matching {
   FrameMatcher matcher;
   std::vector<std::uint64_t> next_ids;
@@ -51,16 +51,16 @@ TEST(FrameMatcher, NewestCompleteSetWins) {
   Matching m(3, 16);
   m.add(0, {0, 33, 67});
   m.add(1, {5, 38, 71});
-  EXPECT_EQ(m.newest(71), std::nullopt) << "the third camera is waited for";
+  EXPECT_EQ(m.newest(71), std::nullopt) << "the third camera may still deliver";
   m.add(2, {9, 42});
-  EXPECT_EQ(m.newest(72), (Ids{1, 1, 1})) << "the older set is passed over";
+  EXPECT_EQ(m.newest(72), (Ids{1, 1, 1})) << "the older set is skipped";
   m.add(2, {76});
   EXPECT_EQ(m.newest(77), (Ids{2, 2, 2}));
-  EXPECT_EQ(m.newest(500), std::nullopt) << "no frame is given twice";
+  EXPECT_EQ(m.newest(500), std::nullopt) << "no frame is returned twice";
   for (std::size_t c = 0; c < 3; ++c) EXPECT_EQ(m.matcher.dropped(c), 0u);
 }
 
-TEST(FrameMatcher, SkewIsBoundedAndTold) {
+TEST(FrameMatcher, SkewIsBoundedAndReported) {
   Matching m(2, 10);
   m.add(0, {0, 33});
   m.add(1, {15, 48});
@@ -78,7 +78,7 @@ TEST(FrameMatcher, SkewIsBoundedAndTold) {
   EXPECT_EQ(wider.matcher.refusedSkew(), std::nullopt);
 }
 
-TEST(FrameMatcher, ALateCameraIsWaitedForWithPatience) {
+TEST(FrameMatcher, WaitsForALateCamera) {
   Matching m(3, 16, 100);
   m.add(0, {0});
   m.add(1, {4});
@@ -89,22 +89,22 @@ TEST(FrameMatcher, ALateCameraIsWaitedForWithPatience) {
   EXPECT_FALSE(set->complete);
   EXPECT_TRUE(std::isnan(set->times_s[2]));
   EXPECT_NEAR(set->skew_s, 0.004, 1e-12);
-  // its frame of that instant comes now: too late for that set, and for all others
+  // its frame of that instant arrives now: too late for that set and all later ones
   m.add(2, {2, 35});
   m.add(0, {33});
   m.add(1, {37});
   EXPECT_EQ(m.newest(110), (Ids{1, 1, 1}));
 }
 
-TEST(FrameMatcher, WhoIsGoneIsNotWaitedForAndRejoins) {
+TEST(FrameMatcher, MissingCameraIsSkippedAndRejoins) {
   Matching m(3, 16);
   m.matcher.expect(2, false);
   m.add(0, {0});
   m.add(1, {4});
   const auto set = m.matcher.newest(0.005);
-  ASSERT_TRUE(set) << "at once";
+  ASSERT_TRUE(set) << "immediately";
   EXPECT_EQ(set->ids, (Ids{0, 0, kMissing}));
-  EXPECT_FALSE(set->complete) << "that a camera is missing is said";
+  EXPECT_FALSE(set->complete) << "a camera is missing";
   m.matcher.expect(2, true);
   m.add(2, {34});
   m.add(0, {33});
@@ -112,7 +112,7 @@ TEST(FrameMatcher, WhoIsGoneIsNotWaitedForAndRejoins) {
   EXPECT_EQ(m.newest(38), (Ids{1, 1, 0}));
 }
 
-TEST(FrameMatcher, OneCameraAloneIsNoSetUnlessThereIsNoOther) {
+TEST(FrameMatcher, SingleCameraIsASetOnlyInASingleCameraRig) {
   Matching two(2, 16);
   two.add(0, {0, 33});
   EXPECT_EQ(two.newest(1000), std::nullopt);
@@ -124,15 +124,15 @@ TEST(FrameMatcher, OneCameraAloneIsNoSetUnlessThereIsNoOther) {
   EXPECT_EQ(one.newest(33), (Ids{1}));
 }
 
-TEST(FrameMatcher, EverySetComesInOrder) {
+TEST(FrameMatcher, SetsArriveInOrder) {
   Matching m(2, 33);
   m.add(0, {0, 33, 67, 100});
   m.add(1, {3, 36, 70, 103});
   EXPECT_EQ(m.all(104), (std::vector<Ids>{{0, 0}, {1, 1}, {2, 2}, {3, 3}}));
 }
 
-TEST(FrameMatcher, ATighterPartnerIsWorthAFrameOnceOnly) {
-  // 25 ms one way, 8 the other: the first frame has no better partner, all others have
+TEST(FrameMatcher, SkipsAtMostOneFrameForATighterMatch) {
+  // 25 ms one way, 8 the other: the first frame has no better partner, all others do
   Matching m(2, 33, 500);
   m.add(0, {0});
   m.add(1, {25});
@@ -144,8 +144,8 @@ TEST(FrameMatcher, ATighterPartnerIsWorthAFrameOnceOnly) {
   EXPECT_EQ(m.matcher.dropped(1), 0u);
 }
 
-TEST(FrameMatcher, AWideBoundDoesNotMixInstants) {
-  // both could go with the other's older frame, 32 ms away; the nearer ones come a moment later
+TEST(FrameMatcher, WideBoundDoesNotMixInstants) {
+  // both could be matched with the other's older frame, 32 ms away; the nearer ones arrive a moment later
   Matching m(3, 34, 100);
   m.add(0, {0, 33, 67});
   m.add(1, {1, 34});
@@ -157,7 +157,7 @@ TEST(FrameMatcher, AWideBoundDoesNotMixInstants) {
   EXPECT_EQ(m.newest(69), (Ids{2, 2, 2}));
 }
 
-TEST(FrameMatcher, HalfAPeriodApartWithFlutterLosesNothing) {
+TEST(FrameMatcher, HalfPeriodOffsetWithJitterLosesNothing) {
   Matching m(2, 34, 500, 400);
   std::mt19937 random(3);
   std::normal_distribution<double> flutter_ms(0, 1.5);
@@ -170,7 +170,7 @@ TEST(FrameMatcher, HalfAPeriodApartWithFlutterLosesNothing) {
   EXPECT_LE(m.matcher.dropped(0) + m.matcher.dropped(1), 1u);
 }
 
-TEST(FrameMatcher, AMissedInstantShiftsNothing) {
+TEST(FrameMatcher, MissedFrameShiftsNothing) {
   Matching m(3, 33, 500);
   m.add(0, {0, 33, 67, 100});
   m.add(1, {1, 34, 100});  // misses 67
@@ -178,8 +178,8 @@ TEST(FrameMatcher, AMissedInstantShiftsNothing) {
   EXPECT_EQ(m.all(103), (std::vector<Ids>{{0, 0, 0}, {1, 1, 1}, {2, kMissing, 2}, {3, 2, 3}}));
 }
 
-TEST(FrameMatcher, DifferentRatesLoseOnlyTheSurplus) {
-  // ten seconds of 30 and 29.97 Hz: 300 and 299 or 300 frames
+TEST(FrameMatcher, DifferentRatesDropOnlySurplusFrames) {
+  // ten seconds at 30 and 29.97 Hz: 300 and 299 or 300 frames
   Matching m(2, 34, 500, 400);
   for (int k = 0; k < 300; ++k) m.add(0, {1000 / 30.0 * k});
   for (int k = 0; k < 299; ++k) m.add(1, {1000 / 29.97 * k + 12});
@@ -192,14 +192,14 @@ TEST(FrameMatcher, QueuesAreBounded) {
   EXPECT_EQ(m.matcher.waiting(0), 4u);
   EXPECT_EQ(m.matcher.dropped(0), 996u);
   EXPECT_EQ(m.matcher.oldestWaiting(0), 996u);
-  EXPECT_FALSE(m.matcher.add(0, 0.001, 1000)) << "a time that runs back";
+  EXPECT_FALSE(m.matcher.add(0, 0.001, 1000)) << "time decreases";
 }
 
 // ----------------------------------------------------------------------------------------- sources
 
-TEST(Source, FormsAreTold) {
+TEST(Source, RecognizesEveryForm) {
   const TemporaryFolder folder;
-  const auto kindOf = [](const std::string& words) { return parseSource(words).kind; };
+  const auto kindOf = [](const std::string& text) { return parseSource(text).kind; };
   EXPECT_EQ(kindOf("0"), SourceKind::kDevice);
   EXPECT_EQ(parseSource("2").text, "/dev/video2");
   EXPECT_EQ(kindOf("/dev/video1"), SourceKind::kDevice);
@@ -217,7 +217,7 @@ TEST(Source, FormsAreTold) {
     EXPECT_NE(messageOf([&] { parseNamedSource(bad); }).find("--camera "), std::string::npos) << bad;
 }
 
-TEST(Source, FaultsNameCameraAndSource) {
+TEST(Source, ErrorsNameCameraAndSource) {
   for (const char* source :
        {"/dev/video63", "none.mp4", "none/%06d.png", "tcp://127.0.0.1:9", "gst: noSuchElement"}) {
     const std::string message = messageOf([&] { openSource({"left", parseSource(source)}); });
@@ -228,7 +228,7 @@ TEST(Source, FaultsNameCameraAndSource) {
   }
 }
 
-/// A flat image whose brightness is `grey`.
+/// A uniform image with the brightness `grey`.
 LiveImage flat(int grey, ImageSize size = {64, 48}) {
   return {size, std::vector<std::uint8_t>(3 * std::size_t(size.width) * std::size_t(size.height),
                                           std::uint8_t(grey))};
@@ -236,7 +236,7 @@ LiveImage flat(int grey, ImageSize size = {64, 48}) {
 
 constexpr ImageSize kVideoSize = {256, 32};
 
-/// A video whose frame k, below 60, is white from column 4 k on: coding smears it by less.
+/// A video whose frame k, below 60, is white from column 4 k on: coding blurs it by less.
 void writeSweep(const fs::path& file, int frames, double rate_hz) {
   VideoWriter writer(file, {kVideoSize, rate_hz, VideoWriter::Format::kBgr8});
   for (int k = 0; k < frames; ++k) {
@@ -248,7 +248,7 @@ void writeSweep(const fs::path& file, int frames, double rate_hz) {
   writer.finish();
 }
 
-/// Which frame of that video an image is.
+/// The index of a frame of that video.
 int frameOf(const LiveImage& image) {
   int black = 0;
   for (int x = 0; x < kVideoSize.width; ++x)
@@ -271,7 +271,7 @@ TEST(Source, FilesRunInRealTime) {
     ASSERT_TRUE(source->read(image, capture_s));
     if (k == 0) first_s = capture_s;
     EXPECT_NEAR(capture_s - first_s, k / 50.0, 1e-9);
-    EXPECT_GE(secondsNow(), capture_s - 1e-3) << "not before it is due";
+    EXPECT_GE(secondsNow(), capture_s - 1e-3) << "frame arrives early";
     EXPECT_EQ(frameOf(image), k);
   }
   EXPECT_GE(secondsNow() - start_s, 24 / 50.0 - 1e-3);
@@ -279,7 +279,7 @@ TEST(Source, FilesRunInRealTime) {
   EXPECT_FALSE(source->read(image, ignored));
 }
 
-TEST(Source, LoopsWhenAskedTo) {
+TEST(Source, LoopsOnRequest) {
   const TemporaryFolder folder;
   writeSweep(folder / "left.mp4", 4, 100);
   const auto source = openSource({"left", parseSource((folder / "left.mp4").string())}, {.loop = true});
@@ -292,26 +292,26 @@ TEST(Source, LoopsWhenAskedTo) {
   }
 }
 
-TEST(ArrivalClock, JitterIsTakenOff) {
+TEST(ArrivalClock, RemovesJitter) {
   std::mt19937 random(5);
   std::exponential_distribution<double> jitter_s(1 / 0.02);
   ArrivalClock clock;
   double worst_s = 0;
   for (int k = 0; k < 600; ++k) {
     const double truth_s = 100 + k / 30.0, arrival_s = truth_s + 0.05 + jitter_s(random);
-    const double told_s = clock.captureOf(arrival_s, k / 30.0);
-    if (k > 60) worst_s = std::max(worst_s, std::abs(told_s - truth_s - 0.05));
+    const double estimate_s = clock.captureOf(arrival_s, k / 30.0);
+    if (k > 60) worst_s = std::max(worst_s, std::abs(estimate_s - truth_s - 0.05));
   }
   EXPECT_LT(worst_s, 0.002) << "20 ms of jitter";
-  // the stream begins anew: its times start from 0
-  double told_s = 0;
-  for (int k = 0; k < 10; ++k) told_s = clock.captureOf(200 + k / 30.0, k / 30.0);
-  EXPECT_NEAR(told_s, 200 + 9 / 30.0, 1e-9);
+  // the stream restarts: its times start at 0
+  double estimate_s = 0;
+  for (int k = 0; k < 10; ++k) estimate_s = clock.captureOf(200 + k / 30.0, k / 30.0);
+  EXPECT_NEAR(estimate_s, 200 + 9 / 30.0, 1e-9);
 }
 
 // ----------------------------------------------------------------------------------------- LiveCameras
 
-/// What a fake camera does, told by the test while it runs.
+/// The behaviour of a fake camera, controlled by the test while it runs.
 struct FakeState {
   std::atomic<bool> silent = false, dead = false, same = false, blocked = false;
   std::atomic<double> late_s = 0;
@@ -334,7 +334,7 @@ class FakeSource : public CameraSource {
     while (state_.blocked) std::this_thread::sleep_for(std::chrono::milliseconds(5));
     while (state_.silent && !state_.dead && !stopped_)
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    // all fakes tick together
+    // all fakes run synchronously
     const double tick = std::floor(secondsNow() * 50) + 1;
     while (secondsNow() < tick / 50 + state_.late_s)
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -369,7 +369,7 @@ struct ThreeFakes {
   bool becomes(std::size_t c, CameraState state) {
     return waitUntil([&] { return cameras->next(0.01), stateOf(c) == state; });
   }
-  /// The next set that is complete, or that isn't.
+  /// The next set that is complete, or incomplete.
   std::optional<LiveSet> nextWhere(bool complete) {
     std::optional<LiveSet> set;
     waitUntil([&] { return (set = cameras->next(0.1)) && set->complete == complete; });
@@ -377,7 +377,7 @@ struct ThreeFakes {
   }
 };
 
-TEST(LiveCameras, SetsAreOfOneInstant) {
+TEST(LiveCameras, SetsContainOneInstant) {
   ThreeFakes fakes;
   double before_s = 0;
   for (int k = 0; k < 20; ++k) {
@@ -392,7 +392,7 @@ TEST(LiveCameras, SetsAreOfOneInstant) {
   EXPECT_EQ(fakes.stateOf(0), CameraState::kLive);
 }
 
-TEST(LiveCameras, OneFreezesAndTheRestGoOn) {
+TEST(LiveCameras, FrozenCameraDoesNotStopTheOthers) {
   ThreeFakes fakes;
   ASSERT_TRUE(fakes.nextWhere(true));
   fakes.states[1].silent = true;
@@ -408,19 +408,19 @@ TEST(LiveCameras, OneFreezesAndTheRestGoOn) {
   EXPECT_GT(fakes.cameras->status()[1].drops, 10u) << "half a second at 50 Hz";
 }
 
-TEST(LiveCameras, TheSameBytesForLongAreFrozen) {
+TEST(LiveCameras, RepeatedImagesCountAsFrozen) {
   ThreeFakes fakes;
   ASSERT_TRUE(fakes.nextWhere(true));
   fakes.states[2].same = true;
   EXPECT_TRUE(fakes.becomes(2, CameraState::kFrozen));
   const auto set = fakes.nextWhere(false);
   ASSERT_TRUE(set);
-  EXPECT_TRUE(set->images[2].bgr.empty()) << "what is stale is not used";
+  EXPECT_TRUE(set->images[2].bgr.empty()) << "a stale image is not used";
   fakes.states[2].same = false;
   EXPECT_TRUE(fakes.nextWhere(true));
 }
 
-TEST(LiveCameras, ADeadOneIsOpenedAgainAndRejoins) {
+TEST(LiveCameras, LostCameraIsReopenedAndRejoins) {
   ThreeFakes fakes;
   ASSERT_TRUE(fakes.nextWhere(true));
   fakes.states[0].dead = true;
@@ -434,7 +434,7 @@ TEST(LiveCameras, ADeadOneIsOpenedAgainAndRejoins) {
   EXPECT_TRUE(fakes.becomes(0, CameraState::kLive));
 }
 
-TEST(LiveCameras, WithoutTwoThereIsNoSet) {
+TEST(LiveCameras, FewerThanTwoCamerasGiveNoSet) {
   ThreeFakes fakes;
   ASSERT_TRUE(fakes.nextWhere(true));
   fakes.states[0].dead = fakes.states[1].dead = true;
@@ -449,7 +449,7 @@ TEST(LiveCameras, WithoutTwoThereIsNoSet) {
   EXPECT_TRUE(set->images[1].bgr.empty());
 }
 
-TEST(LiveCameras, ItEndsWhileAReadBlocks) {
+TEST(LiveCameras, StopsWhileAReadBlocks) {
   auto fakes = std::make_unique<ThreeFakes>();
   ASSERT_TRUE(fakes->nextWhere(true));
   fakes->states[1].blocked = true;
@@ -458,10 +458,10 @@ TEST(LiveCameras, ItEndsWhileAReadBlocks) {
   fakes->cameras.reset();
   EXPECT_LT(secondsNow() - start_s, 1.0);
   fakes->states[1].blocked = false;
-  EXPECT_TRUE(waitUntil([] { return FakeSource::alive == 0; })) << "its thread ends by itself";
+  EXPECT_TRUE(waitUntil([] { return FakeSource::alive == 0; })) << "the thread ends";
 }
 
-TEST(LiveCameras, OffsetsAreTakenOff) {
+TEST(LiveCameras, SubtractsOffsets) {
   FakeState states[2];
   std::vector<LiveCamera> all;
   for (int c = 0; c < 2; ++c)
@@ -485,7 +485,7 @@ struct TwoVideos {
   }
 };
 
-TEST(LiveCameras, EveryFrameOfFilesComesInStep) {
+TEST(LiveCameras, FilesArriveInStepWithoutLoss) {
   TwoVideos videos(40, 35, 50);
   LiveCameras cameras(std::move(videos.cameras), {.sets = LiveOptions::Sets::kEvery});
   int count = 0;
@@ -498,12 +498,12 @@ TEST(LiveCameras, EveryFrameOfFilesComesInStep) {
     EXPECT_LT(set->skew_s, 1e-9);
     ++count;
   }
-  EXPECT_EQ(count, 35) << "as far as both go";
+  EXPECT_EQ(count, 35) << "the length of the shorter video";
   EXPECT_EQ(cameras.status()[1].drops, 0u);
   EXPECT_EQ(cameras.status()[0].state, CameraState::kEnded);
 }
 
-TEST(LiveCameras, TheNewestOfFilesIsGivenToWhoIsSlow) {
+TEST(LiveCameras, SlowConsumerGetsTheNewestFrame) {
   TwoVideos videos(50, 50, 50);
   LiveCameras cameras(std::move(videos.cameras));
   int before = -1, count = 0;
@@ -513,7 +513,7 @@ TEST(LiveCameras, TheNewestOfFilesIsGivenToWhoIsSlow) {
     EXPECT_EQ(frameOf(set->images[0]), frameOf(set->images[1]));
     EXPECT_GT(frameOf(set->images[0]), before);
     before = frameOf(set->images[0]);
-    EXPECT_LT(secondsNow() - set->time_s, 0.2) << "nothing old has waited";
+    EXPECT_LT(secondsNow() - set->time_s, 0.2) << "old frames were queued";
     ++count;
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }
@@ -521,7 +521,7 @@ TEST(LiveCameras, TheNewestOfFilesIsGivenToWhoIsSlow) {
   EXPECT_GE(count, 5);
 }
 
-TEST(LiveCameras, AStreamThatIsKilledComesBack) {
+TEST(LiveCameras, KilledStreamReconnects) {
   const TemporaryFolder folder;
   auto server = std::make_unique<MjpegServer>(ImageSize{64, 48}, 30);
   const int port = server->port();
@@ -548,7 +548,7 @@ TEST(LiveCameras, AStreamThatIsKilledComesBack) {
   EXPECT_GE(cameras.status()[1].reconnects, 1);
 }
 
-TEST(LiveCameras, SourcesMustBeTheRigs) {
+TEST(LiveCameras, SourcesMustMatchTheRig) {
   const Rig rig = ringRig(2, 64, 48);
   const auto named = [](const std::string& name) { return NamedSource{name, parseSource(name + ".mp4")}; };
   EXPECT_EQ(inOrderOf(rig, {named("cam1"), named("cam0")})[0].name, "cam0");
@@ -565,7 +565,7 @@ TEST(LiveCameras, SourcesMustBeTheRigs) {
 
 // ----------------------------------------------------------------------------------------- devices
 
-TEST(V4l2Devices, AListIsGivenWithOrWithoutDevices) {
+TEST(V4l2Devices, ListsDevicesOrNothing) {
   for (const V4l2Device& device : listV4l2Devices()) {
     EXPECT_TRUE(device.path.starts_with("/dev/video")) << device.path;
     for (const V4l2Mode& mode : device.modes) EXPECT_EQ(mode.format.size(), 4u);

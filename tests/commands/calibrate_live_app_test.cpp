@@ -114,8 +114,7 @@ TEST_F(CalibrateLive, RejectsInvalidUse) {
 class CalibrateWindow : public CalibrateLive {
  protected:
   void SetUp() override {
-    if (!Desktop::possible())
-      GTEST_SKIP() << "there is no Xvfb; third_party/packages.txt names what is needed";
+    if (!Desktop::possible()) GTEST_SKIP() << "Xvfb is missing; third_party/packages.txt lists the packages";
     film();
   }
   void start(const Strings& more) { open(arguments({"calibrate"}, more)); }
@@ -136,7 +135,7 @@ TEST_F(CalibrateWindow, ShowsCamerasAndMakesTheRig) {
   start({"--loop"});
   const Screenshot first = desktop.screenshot();
   ASSERT_TRUE(waitUntil([&] { return differingFraction(first, desktop.screenshot(), 0.9) > 0.05; }))
-      << "the cameras' images move";
+      << "the cameras' images change";
   desktop.key("w");
   // too few views at first: the window says so and continues
   ASSERT_TRUE(waitUntil([&] {

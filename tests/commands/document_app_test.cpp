@@ -187,7 +187,7 @@ TEST(DocumentApp, TurnIsARotation) {
     EXPECT_LT((turned.cage.points[i] - Vec3(-p.y(), p.x(), p.z())).norm(), 1e-12);
   }
   EXPECT_LT((turned.workspace_from_clay * Vec3::UnitX() - Vec3::UnitY()).norm(), 1e-12)
-      << "the planes turn, too";
+      << "the planes rotate, too";
   for (const int degrees : {-40, -50})
     outputOf({"turn", file, "--axis", "z", "--degrees", std::to_string(degrees)});
   const ClayState back = Document::open(file).state();

@@ -118,7 +118,7 @@ TEST_F(ServeApp, ImagesArriveUnchanged) {
     const auto set = completeSet(cameras);
     ASSERT_TRUE(set);
     for (int c = 0; c < 2; ++c) EXPECT_GT(psnrDb(set->images[std::size_t(c)], c), kLeastPsnrDb);
-    EXPECT_LT(psnrDb(set->images[0], 1), 20) << "no camera is taken for the other";
+    EXPECT_LT(psnrDb(set->images[0], 1), 20) << "the cameras are confused";
     EXPECT_NE(frameOf(set->images[0]), before);
     before = frameOf(set->images[0]);
   }
@@ -172,7 +172,7 @@ TEST_F(ServeApp, TimestampsExcludeNetworkDelay) {
   // The delay estimate uses the fastest arrivals, so it decreases; later the times are as regular as the
   // file's.
   const auto [least, most] = std::minmax_element(off_s.end() - 20, off_s.end());
-  EXPECT_LT(*most - *least, 0.01) << "while arrivals wander by whole frames on a loaded machine";
+  EXPECT_LT(*most - *least, 0.01) << "timestamps must not follow the arrival jitter";
 }
 
 /// Four saturated colours, a quarter each.
@@ -220,7 +220,8 @@ TEST_F(ServeApp, KilledServerIsReportedAndRejoins) {
   EXPECT_NE(cameras.status()[0].fault.find("camera \"left\" (rtsp://"), std::string::npos);
   EXPECT_EQ(cameras.status()[0].fault.find('\n'), std::string::npos);
   const std::uint64_t frames = cameras.status()[1].frames;
-  EXPECT_TRUE(waitUntil([&] { return cameras.status()[1].frames > frames + 10; })) << "the other goes on";
+  EXPECT_TRUE(waitUntil([&] { return cameras.status()[1].frames > frames + 10; }))
+      << "the other camera continues";
   EXPECT_EQ(cameras.status()[1].reconnects, 0);
   dies = std::make_unique<Server>(Strings{camera("left")}, port, Strings{"--loop"});
   const auto set = completeSet(cameras);
@@ -279,7 +280,7 @@ TEST_F(ServeApp, CtrlCEndsServerWithClients) {
   EXPECT_EQ(server.errors(), "");
   EXPECT_NE(server.output().find("images streamed: left "), std::string::npos) << server.output();
   EXPECT_EQ(server.output().find("streamed: left 0"), std::string::npos) << server.output();
-  EXPECT_NE(server.output().find("right 0"), std::string::npos) << "nobody watched: nothing was coded";
+  EXPECT_NE(server.output().find("right 0"), std::string::npos) << "without clients nothing is encoded";
 }
 
 TEST_F(ServeApp, EndsAfterSecondsOrWithItsFiles) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Signed distance grids against closed forms and against the sum over all triangles.
+// Signed distance grids compared with closed forms and with the sum over all triangles.
 #include "engine/mesh/distance_grid.h"
 
 #include <gtest/gtest.h>
@@ -32,7 +32,7 @@ double distanceToBox(const Vec3& point) {
   return beyond.cwiseMax(Vec3::Zero()).norm() + std::min(beyond.maxCoeff(), 0.);
 }
 
-/// An octahedron split `levels` times, its vertices on the sphere.
+/// An octahedron subdivided `levels` times, its vertices on the sphere.
 TriangleMesh sphere(double radius, int levels) {
   TriangleMesh mesh;
   mesh.vertices = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
@@ -40,7 +40,7 @@ TriangleMesh sphere(double radius, int levels) {
   for (int level = 0; level < levels; ++level) {
     std::vector<std::array<int, 3>> finer;
     std::map<std::pair<int, int>, int>
-        middles;  // of an edge: shared, or the mesh would be open at every edge
+        middles;  // of an edge: shared, otherwise the mesh would be open at every edge
     for (const auto& t : mesh.triangles) {
       std::array<int, 3> middle{};
       for (int i = 0; i < 3; ++i) {
@@ -69,7 +69,7 @@ void forEachSample(const DistanceGrid& grid, const Check& check) {
               double(grid.values[size_t(i) + size_t(grid.size[0]) * (size_t(j) + size_t(grid.size[1]) * k)]));
 }
 
-TEST(DistanceGrid, OfABoxIsTheClosedForm) {
+TEST(DistanceGrid, BoxEqualsClosedForm) {
   const DistanceGrid grid = signedDistanceGrid(box(), 0.0031, 0.02);
   int inside = 0;
   forEachSample(grid, [&](const Vec3& point, double value) {
@@ -80,7 +80,7 @@ TEST(DistanceGrid, OfABoxIsTheClosedForm) {
   EXPECT_EQ(grid.values.size(), size_t(grid.size[0]) * grid.size[1] * grid.size[2]);
 }
 
-TEST(DistanceGrid, HoldsTheMeshAndItsMargin) {
+TEST(DistanceGrid, ContainsTheMeshAndItsMargin) {
   const DistanceGrid grid = signedDistanceGrid(box(), 0.003, 0.02);
   const Vec3 cells(grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1);
   const Vec3 high_corner = grid.low_corner + grid.cell_m * cells;
@@ -91,7 +91,7 @@ TEST(DistanceGrid, HoldsTheMeshAndItsMargin) {
   }
 }
 
-TEST(DistanceGrid, OfAnOpenBoxIsThatOfTheClosedOne) {
+TEST(DistanceGrid, OpenBoxEqualsClosedBox) {
   TriangleMesh open = box();
   open.triangles.erase(open.triangles.begin() + 2, open.triangles.begin() + 4);
   forEachSample(signedDistanceGrid(open, 0.004, 0.015), [](const Vec3& point, double value) {
@@ -99,10 +99,10 @@ TEST(DistanceGrid, OfAnOpenBoxIsThatOfTheClosedOne) {
   });
 }
 
-TEST(DistanceGrid, OfASphereIsTheBallsUpToItsFacets) {
+TEST(DistanceGrid, SphereEqualsBallUpToFacets) {
   const double radius = 0.04;
   const TriangleMesh mesh = sphere(radius, 5);
-  double sagitta = 0;  // how far facets lie below the ball's surface
+  double sagitta = 0;  // how far facets are below the ball's surface
   for (const auto& [a, b, c] : mesh.triangles) {
     const Vec3 normal =
         (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]).normalized();
@@ -116,7 +116,7 @@ TEST(DistanceGrid, OfASphereIsTheBallsUpToItsFacets) {
   });
 }
 
-TEST(DistanceGrid, OfTheHandIsExactAtItsSamples) {
+TEST(DistanceGrid, HandIsExactAtSamples) {
   const HandModel hand = builtInHand(false);
   const DistanceGrid grid = signedDistanceGrid(hand.skin, 0.0025, 0.03);
   std::mt19937 random(7);
@@ -130,7 +130,7 @@ TEST(DistanceGrid, OfTheHandIsExactAtItsSamples) {
   }
 }
 
-TEST(DistanceGrid, OfTheLeftHandIsTheMirrorOfTheRight) {
+TEST(DistanceGrid, LeftHandMirrorsRightHand) {
   const DistanceGrid right = signedDistanceGrid(builtInHand(false).skin, 0.004, 0.01);
   const DistanceGrid left = signedDistanceGrid(builtInHand(true).skin, 0.004, 0.01);
   ASSERT_EQ(left.size, right.size);
@@ -139,9 +139,9 @@ TEST(DistanceGrid, OfTheLeftHandIsTheMirrorOfTheRight) {
   });
 }
 
-TEST(DistanceGrid, CrossingSheetsAreOneInside) {
+TEST(DistanceGrid, IntersectingSheetsShareOneInside) {
   TriangleMesh crossed =
-      box();  // a box and the same box shifted by half: the union, where they overlap twice wound
+      box();  // a box and the same box shifted by half: their union; the overlap has winding number two
   TriangleMesh shifted = box();
   const int first = int(crossed.vertices.size());
   for (const Vec3& vertex : shifted.vertices) crossed.vertices.push_back(vertex + Vec3(0.02, 0, 0));
@@ -155,7 +155,7 @@ TEST(DistanceGrid, CrossingSheetsAreOneInside) {
   });
 }
 
-TEST(SignedDistance, OfABoxIsTheClosedForm) {
+TEST(SignedDistance, BoxEqualsClosedForm) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> place(-0.1, 0.1);
   for (int n = 0; n < 2000; ++n) {
@@ -174,9 +174,10 @@ TEST(Sample, IsTrilinearInsideAndGrowsOutside) {
       for (int i = 0; i < 3; ++i)
         grid.values.push_back(float(linear(grid.low_corner + grid.cell_m * Vec3(i, j, k))));
   std::mt19937 random(3);
-  std::uniform_real_distribution<double> share(0, 1);
+  std::uniform_real_distribution<double> fraction(0, 1);
   for (int n = 0; n < 200; ++n) {
-    const Vec3 point = grid.low_corner + Vec3(share(random), 1.5 * share(random), 0.5 * share(random));
+    const Vec3 point =
+        grid.low_corner + Vec3(fraction(random), 1.5 * fraction(random), 0.5 * fraction(random));
     EXPECT_NEAR(sample(grid, point), linear(point), 1e-5);
   }
   EXPECT_NEAR(sample(grid, {2, 3.5, 3.5}), linear({2, 3.5, 3.5}), 1e-5);  // the last corner
@@ -184,7 +185,7 @@ TEST(Sample, IsTrilinearInsideAndGrowsOutside) {
   EXPECT_NEAR(sample(grid, {0.75, 2.3, 3.1}), linear({1, 2.3, 3.1}) + 0.25, 1e-5);
 }
 
-TEST(DistanceGrid, RefusesCellsThatAreNone) {
+TEST(DistanceGrid, RejectsInvalidCellSize) {
   EXPECT_THROW(signedDistanceGrid(box(), 0, 0.01), Error);
   EXPECT_THROW(signedDistanceGrid(box(), -1, 0.01), Error);
   EXPECT_THROW(signedDistanceGrid(box(), 1e-6, 0.01), Error);

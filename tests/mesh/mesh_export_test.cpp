@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Exported files as another library (assimp) reads them: places, faces, normals, which way is out, which way
-// is up; what a slicer would say of them; and what is refused.
+// Exported files as another library (assimp) reads them: positions, faces, normals, orientation, up axis;
+// what a slicer would report; and rejected input.
 #include "engine/mesh/mesh_export.h"
 
 #include <assimp/GltfMaterial.h>
@@ -28,7 +28,7 @@ namespace {
 
 using Corners = std::vector<Vec3>;
 
-/// A file as assimp reads it: the places and normals of each face's corners, in the order of the file.
+/// A file as assimp reads it: positions and normals of each face's corners, in file order.
 struct Reread {
   std::vector<Corners> faces, normals;
   std::string generator;
@@ -78,7 +78,7 @@ double volumeOf(const std::vector<Corners>& faces) {
   return volume;
 }
 
-/// Edges of places that are not run along once each way.
+/// Edges that do not occur once in each direction.
 int openEdgesOf(const std::vector<Corners>& faces) {
   using Place = std::array<double, 3>;
   std::map<std::pair<Place, Place>, int> runs;
@@ -112,7 +112,7 @@ double distance(const Vec3& a, const Vec3& b) {
   return (a - b).norm();
 }
 
-/// A polygon in the plane, as a mesh in space.
+/// A planar polygon as a mesh in space.
 PolygonMesh inSpace(const std::vector<Vec2>& corners) {
   const Mat3 turn = rotationFromVector({0.3, -0.8, 1.1});
   PolygonMesh mesh;
@@ -133,7 +133,8 @@ double shoelace(const std::vector<Vec2>& corners) {
   return twice / 2;
 }
 
-/// The polygon's triangles cover it without folds: all face its way, and their areas add up to its own.
+/// The polygon's triangles cover it without folds: all have its orientation, and their areas add up to its
+/// own.
 void expectCovers(const std::vector<Vec2>& corners) {
   const auto triangles = triangulated(inSpace(corners));
   ASSERT_EQ(triangles.size(), corners.size() - 2);
@@ -146,7 +147,7 @@ void expectCovers(const std::vector<Vec2>& corners) {
   EXPECT_NEAR(area, shoelace(corners), 1e-12 * shoelace(corners));
 }
 
-TEST(MeshExport, StlIsMillimetresClosedAndOutwards) {
+TEST(MeshExport, StlIsClosedOutwardAndInMillimetres) {
   const TemporaryFolder folder;
   const PolygonMesh mesh = surface("ball", 3);
   const MeshExport report = exportMesh(folder / "ball.stl", mesh);
@@ -172,7 +173,7 @@ TEST(MeshExport, StlIsMillimetresClosedAndOutwards) {
       }
       const Vec3 normal = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).normalized();
       EXPECT_LT(distance(read.normals[2 * i + j][0], normal), 1e-5);
-      EXPECT_GT(normal.dot(triangle[0]), 0);  // the ball stands about the origin
+      EXPECT_GT(normal.dot(triangle[0]), 0);  // the ball is at the origin
     }
   }
   EXPECT_NEAR(volumeOf(read.faces), 1e9 * volume_m3, 1e-6 * 1e9 * volume_m3);
@@ -186,7 +187,7 @@ TEST(MeshExport, StlOfACubeHasItsVolume) {
   const Vec3 size_mm = 1000 * report.size_m;
   EXPECT_EQ(read.faces.size(), 12u);
   EXPECT_NEAR(volumeOf(read.faces), size_mm.prod(), 1e-6 * size_mm.prod());
-  EXPECT_GT(size_mm.minCoeff(), 100);  // 0.2 m, about
+  EXPECT_GT(size_mm.minCoeff(), 100);  // about 0.2 m
   EXPECT_EQ(readWhole(folder / "cube.STL", 1 << 20).size(), 84u + 50 * 12);
   EXPECT_FALSE(readWhole(folder / "cube.STL", 1 << 20).starts_with("solid"));
 }
@@ -210,7 +211,7 @@ TEST(MeshExport, PlyKeepsPolygonsAndHasSmoothNormals) {
   }
 }
 
-TEST(MeshExport, PlyTakesFacesOfMoreCornersThanAByteCounts) {
+TEST(MeshExport, PlySupportsFacesWithOver255Corners) {
   const TemporaryFolder folder;
   std::vector<Vec2> circle;
   for (int i = 0; i < 300; ++i) circle.push_back({std::cos(i * M_PI / 150), std::sin(i * M_PI / 150)});
@@ -247,7 +248,7 @@ TEST(MeshExport, GlbIsYUpInMetresWithNormalsAndClayMaterial) {
   EXPECT_EQ(read.two_sided, report.watertight() ? 0 : 1);
 }
 
-TEST(MeshExport, GlbOfABallFacesOutwardsAndIsWellFormed) {
+TEST(MeshExport, GlbOfABallIsOutwardAndWellFormed) {
   const TemporaryFolder folder;
   const PolygonMesh mesh = surface("ball", 2);
   const MeshExport report = exportMesh(folder / "ball.glb", mesh);
@@ -255,7 +256,7 @@ TEST(MeshExport, GlbOfABallFacesOutwardsAndIsWellFormed) {
   EXPECT_NEAR(volumeOf(read.faces), report.volume_m3, 1e-6 * report.volume_m3);
   EXPECT_GT(report.volume_m3, 0.003);  // a ball of about 0.2 m
   EXPECT_EQ(read.two_sided, 0);
-  // Khronos, glTF 2.0, section 4.4: the header's length, chunks of whole words.
+  // Khronos, glTF 2.0, section 4.4: the header's length, chunks of whole 32-bit words.
   const std::string bytes = readWhole(folder / "ball.glb", 1 << 24);
   std::array<std::uint32_t, 5> header{};
   std::memcpy(header.data(), bytes.data(), sizeof header);
@@ -283,17 +284,18 @@ TEST(MeshExport, CountsOpenEdges) {
   const std::size_t faces = cube.faces.size();
   EXPECT_EQ(exportMesh(folder / "a.stl", cube).open_edges, 0u);
   std::reverse(cube.faces[0].begin(), cube.faces[0].end());
-  EXPECT_EQ(exportMesh(folder / "a.stl", cube).open_edges, 8u);  // twice alike along each of four
+  EXPECT_EQ(exportMesh(folder / "a.stl", cube).open_edges,
+            8u);  // twice in the same direction along each of four
   cube.faces.erase(cube.faces.begin());
   EXPECT_EQ(exportMesh(folder / "a.stl", cube).open_edges, 4u);
   EXPECT_EQ(openEdgesOf(reread(folder / "a.stl").faces), 4);
   EXPECT_EQ(reread(folder / "a.stl").faces.size(), 2 * (faces - 1));
 }
 
-TEST(MeshExport, PointsInTheSamePlaceAreOneToASlicer) {
+TEST(MeshExport, StlMergesCoincidentPoints) {
   const TemporaryFolder folder;
   const PolygonMesh cube = presetCage("cube");
-  PolygonMesh apart;  // each face with points of its own
+  PolygonMesh apart;  // each face with its own points
   for (const std::vector<int>& face : cube.faces) {
     apart.faces.emplace_back();
     for (const int corner : face) {
@@ -306,7 +308,7 @@ TEST(MeshExport, PointsInTheSamePlaceAreOneToASlicer) {
   EXPECT_EQ(report.vertices, apart.points.size());
 }
 
-TEST(MeshExport, VolumeSaysInsideOut) {
+TEST(MeshExport, NegativeVolumeMeansInsideOut) {
   const TemporaryFolder folder;
   PolygonMesh ball = surface("ball", 1);
   const double volume = exportMesh(folder / "ball.ply", ball).volume_m3;
@@ -316,9 +318,9 @@ TEST(MeshExport, VolumeSaysInsideOut) {
   EXPECT_TRUE(report.watertight());
 }
 
-TEST(MeshExport, TrianglesOfNoAreaAreNotInStl) {
+TEST(MeshExport, StlOmitsZeroAreaTriangles) {
   const TemporaryFolder folder;
-  // A tetrahedron, one edge of it a collapsed quad.
+  // A tetrahedron with one edge that is a collapsed quad.
   PolygonMesh mesh;
   mesh.points = {{0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0}, {0, 0, 0.1}, {0, 0, 0}, {0.1, 0, 0}};
   mesh.faces = {{0, 2, 1}, {4, 5, 3}, {1, 2, 3}, {0, 3, 2}, {0, 1, 5, 4}};
@@ -335,7 +337,7 @@ TEST(MeshExport, QuadsAreSplitInside) {
   expectCovers({{0, 0}, {2, 0}, {2, 1}, {0, 1}});
   expectCovers({{0, 0}, {1, 0}, {2, 0}, {1, 10}});    // a straight corner; the diagonal over it is shorter
   expectCovers({{0, 0}, {1, 0.2}, {2, 0}, {1, 10}});  // an arrowhead
-  expectCovers({{1, 10}, {0, 0}, {1, 0.2}, {2, 0}});  // begun elsewhere
+  expectCovers({{1, 10}, {0, 0}, {1, 0.2}, {2, 0}});  // with another first corner
   const PolygonMesh kite = inSpace({{0, 0}, {1, -0.1}, {3, 0}, {1, 0.1}});
   EXPECT_EQ(triangulated(kite), (std::vector<std::array<int, 3>>{{0, 1, 3}, {1, 2, 3}}));
 }
@@ -368,12 +370,12 @@ TEST(MeshExport, PolygonsAreSplitInside) {
   }
 }
 
-TEST(MeshExport, FlatAndCrossedPolygonsStillEnd) {
+TEST(MeshExport, TriangulationTerminatesForDegeneratePolygons) {
   EXPECT_EQ(triangulated(inSpace({{0, 0}, {1, 0}, {2, 0}, {3, 0}, {4, 0}})).size(), 3u);
   EXPECT_EQ(triangulated(inSpace({{0, 0}, {2, 2}, {2, 0}, {0, 2}, {1, 3}, {-1, 1}})).size(), 4u);
 }
 
-TEST(MeshExport, NormalsThatCancelPointUp) {
+TEST(MeshExport, CancellingNormalsPointUp) {
   PolygonMesh sheet;  // both sides of one triangle
   sheet.points = {{0, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   sheet.faces = {{0, 1, 2}, {2, 1, 0}};
@@ -387,45 +389,45 @@ TEST(MeshExport, LevelZeroIsTheCage) {
   EXPECT_THROW(meshAtLevel(cage, -1, SubdivisionRule::kPrinted), Error);
 }
 
-TEST(MeshExport, RefusesWhatNoFileHolds) {
+TEST(MeshExport, RejectsUnrepresentableMeshes) {
   const TemporaryFolder folder;
   const PolygonMesh cube = presetCage("cube");
-  const auto complaint = [&](const std::string& name, const PolygonMesh& mesh) {
+  const auto errorOf = [&](const std::string& name, const PolygonMesh& mesh) {
     return messageOf([&] { exportMesh(folder / name, mesh); });
   };
   for (const char* name : {"a.xyz", "a", "a.stl.gz", ".stl"}) {
-    const std::string said = complaint(name, cube);
+    const std::string message = errorOf(name, cube);
     for (const char* ending : {".obj", ".ply", ".stl", ".glb"})
-      EXPECT_NE(said.find(ending), std::string::npos) << name << ": " << said;
+      EXPECT_NE(message.find(ending), std::string::npos) << name << ": " << message;
   }
   PolygonMesh far = cube, nowhere = cube, torn = cube;
   far.points[2].y() = 1e300;
   nowhere.points[2].y() = std::nan("");
   torn.faces[3][1] = 99;
-  EXPECT_NE(complaint("a.stl", far).find("a.stl: point 3"), std::string::npos);
-  EXPECT_NE(complaint("a.glb", nowhere).find("a.glb: point 3"), std::string::npos);
-  EXPECT_NE(complaint("a.ply", torn).find("a.ply: face 4 has a corner 100"), std::string::npos);
-  EXPECT_NE(complaint("a.ply", {cube.points, {}}).find("no face"), std::string::npos);
+  EXPECT_NE(errorOf("a.stl", far).find("a.stl: point 3"), std::string::npos);
+  EXPECT_NE(errorOf("a.glb", nowhere).find("a.glb: point 3"), std::string::npos);
+  EXPECT_NE(errorOf("a.ply", torn).find("a.ply: face 4 has a corner 100"), std::string::npos);
+  EXPECT_NE(errorOf("a.ply", {cube.points, {}}).find("no face"), std::string::npos);
   std::vector<Vec2> circle;
   for (int i = 0; i < 10'001; ++i) circle.push_back({std::cos(i * 6e-4), std::sin(i * 6e-4)});
-  EXPECT_NE(complaint("a.stl", inSpace(circle)).find("10001 corners"), std::string::npos);
+  EXPECT_NE(errorOf("a.stl", inSpace(circle)).find("10001 corners"), std::string::npos);
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
-TEST(MeshExport, AFullDiskLeavesTheOldFile) {
+TEST(MeshExport, FullDiskKeepsTheOldFile) {
   const TemporaryFolder folder;
   for (const char* name : {"a.obj", "a.ply", "a.stl", "a.glb"}) {
     exportMesh(folder / name, presetCage("cube"));
     const std::string before = readWhole(folder / name, 1 << 20);
-    // No file of this process may grow past 2,000 bytes: the same fault in the middle of a file.
+    // No file of this process may exceed 2,000 bytes: the same error in the middle of a file.
     signal(SIGXFSZ, SIG_IGN);
     rlimit usual{};
     getrlimit(RLIMIT_FSIZE, &usual);
     const rlimit small{2000, usual.rlim_max};
     setrlimit(RLIMIT_FSIZE, &small);
-    const std::string said = messageOf([&] { exportMesh(folder / name, surface("ball", 3)); });
+    const std::string message = messageOf([&] { exportMesh(folder / name, surface("ball", 3)); });
     setrlimit(RLIMIT_FSIZE, &usual);
-    EXPECT_NE(said.find(std::string(name) + ": cannot be written"), std::string::npos) << said;
+    EXPECT_NE(message.find(std::string(name) + ": cannot be written"), std::string::npos) << message;
     EXPECT_EQ(readWhole(folder / name, 1 << 20), before);
     std::filesystem::remove(folder / name);
     EXPECT_TRUE(std::filesystem::is_empty(folder.path())) << name;
@@ -435,16 +437,16 @@ TEST(MeshExport, AFullDiskLeavesTheOldFile) {
             std::string::npos);
 }
 
-TEST(MeshExport, AReadOnlyFolderIsOneClearLine) {
+TEST(MeshExport, ReadOnlyFolderIsAOneLineError) {
   const TemporaryFolder folder;
   std::filesystem::permissions(folder.path(), std::filesystem::perms(0555));
-  const bool is_root = geteuid() == 0;  // for whom no folder is read-only
+  const bool is_root = geteuid() == 0;  // root may write to any folder
   ASSERT_EQ(is_root ? seteuid(65534) : 0, 0);
-  const std::string said = messageOf([&] { exportMesh(folder / "a.stl", presetCage("cube")); });
+  const std::string message = messageOf([&] { exportMesh(folder / "a.stl", presetCage("cube")); });
   ASSERT_EQ(is_root ? seteuid(0) : 0, 0);
   std::filesystem::permissions(folder.path(), std::filesystem::perms(0755));
-  EXPECT_NE(said.find("a.stl: cannot be written: Permission denied"), std::string::npos) << said;
-  EXPECT_EQ(said.find('\n'), std::string::npos);
+  EXPECT_NE(message.find("a.stl: cannot be written: Permission denied"), std::string::npos) << message;
+  EXPECT_EQ(message.find('\n'), std::string::npos);
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 

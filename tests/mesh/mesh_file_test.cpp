@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Meshes in files: what is read, what is refused and where the message points, and that files appear whole.
+// Mesh files: valid and invalid ones, the place that errors name, and atomic writing.
 #include "engine/mesh/mesh_file.h"
 #include "engine/core/file_io.h"
 
@@ -23,7 +23,7 @@ class MeshFile : public ::testing::Test {
     return file;
   }
   PolygonMesh read(const std::string& content) const { return readObj(put(content)); }
-  std::string complaint(const std::string& content) const {
+  std::string errorOf(const std::string& content) const {
     try {
       read(content);
     } catch (const Error& error) {
@@ -42,14 +42,14 @@ class MeshFile : public ::testing::Test {
 
 const std::string kSquare = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
-TEST_F(MeshFile, ReadsPolygonsInTheOrderOfTheFile) {
+TEST_F(MeshFile, ReadsPolygonsInFileOrder) {
   const PolygonMesh mesh = read(kSquare + "v 2 0 0\nv 2 1 0\nf 2 5 6 3\nf 1 2 3 4\n");
   ASSERT_EQ(mesh.points.size(), 6u);
   EXPECT_EQ(mesh.points[4], Vec3(2, 0, 0));
   EXPECT_EQ(mesh.faces, (std::vector<std::vector<int>>{{1, 4, 5, 2}, {0, 1, 2, 3}}));
 }
 
-TEST_F(MeshFile, ReadsEveryFormOfCornerAndLine) {
+TEST_F(MeshFile, ReadsEveryCornerAndLineSyntax) {
   const std::vector<std::vector<int>> square = {{0, 1, 2, 3}};
   EXPECT_EQ(read(kSquare + "f 1/1 2/2 3/3 4/4\n").faces, square);
   EXPECT_EQ(read(kSquare + "f 1//1 2//1 3//1 4//1\n").faces, square);
@@ -70,7 +70,7 @@ TEST_F(MeshFile, KeepsDoublePrecision) {
   EXPECT_EQ(mesh.points[0], Vec3(0.1234567890123, 1e-3, -250));
 }
 
-TEST_F(MeshFile, RefusesWithFileAndLine) {
+TEST_F(MeshFile, ErrorsNameFileAndLine) {
   struct Case {
     std::string content, place, what;
   };
@@ -93,37 +93,37 @@ TEST_F(MeshFile, RefusesWithFileAndLine) {
       {"v 0 \\\n 0 \\\n q\n", "cage.obj:1:", "'q'"},
   };
   for (const Case& bad : cases) {
-    const std::string message = complaint(bad.content);
+    const std::string message = errorOf(bad.content);
     EXPECT_NE(message.find(bad.place), std::string::npos) << message;
     EXPECT_NE(message.find(bad.what), std::string::npos) << message;
     EXPECT_EQ(message.find('\n'), std::string::npos) << message;
   }
 }
 
-TEST_F(MeshFile, RefusesWhatIsNoManifold) {
+TEST_F(MeshFile, RejectsNonManifoldMeshes) {
   const std::string points = kSquare + "v 0 0 1\nv 1 0 1\nv 0 0 -1\n";
-  const std::string fin = complaint(kSquare + "v 0 0 1\nf 1 2 3\nf 2 1 4\nf 1 2 5\n");
+  const std::string fin = errorOf(kSquare + "v 0 0 1\nf 1 2 3\nf 2 1 4\nf 1 2 5\n");
   EXPECT_NE(fin.find("points 1 and 2"), std::string::npos) << fin;
   EXPECT_NE(fin.find("more than two faces"), std::string::npos) << fin;
-  const std::string turned = complaint(kSquare + "v 2 0 0\nv 2 1 0\nf 1 2 3 4\nf 2 3 6 5\n");
+  const std::string turned = errorOf(kSquare + "v 2 0 0\nv 2 1 0\nf 1 2 3 4\nf 2 3 6 5\n");
   EXPECT_NE(turned.find("points 2 and 3"), std::string::npos) << turned;
   EXPECT_NE(turned.find("opposite orientation"), std::string::npos) << turned;
-  const std::string fans = complaint("v 0 0 0\nv 1 0 0\nv 1 1 0\nv -1 0 0\nv -1 -1 0\nf 1 2 3\nf 1 4 5\n");
+  const std::string fans = errorOf("v 0 0 0\nv 1 0 0\nv 1 1 0\nv -1 0 0\nv -1 -1 0\nf 1 2 3\nf 1 4 5\n");
   EXPECT_NE(fans.find("point 1 "), std::string::npos) << fans;
   EXPECT_NE(fans.find("fans"), std::string::npos) << fans;
-  const std::string lonely = complaint(kSquare + "v 5 5 5\nf 1 2 3 4\n");
+  const std::string lonely = errorOf(kSquare + "v 5 5 5\nf 1 2 3 4\n");
   EXPECT_NE(lonely.find("point 5 has no face"), std::string::npos) << lonely;
 }
 
 TEST_F(MeshFile, AcceptsOpenAndClosedManifolds) {
   EXPECT_EQ(read("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n").faces.size(),
             4u);
-  // An open fan that is met in another order than its own.
+  // An open fan whose faces come in another order.
   EXPECT_EQ(read("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv -1 1 0\nf 1 2 3\nf 1 4 5\nf 1 3 4\n").faces.size(),
             3u);
 }
 
-TEST_F(MeshFile, BoundsWhatItReads) {
+TEST_F(MeshFile, LimitsFileSize) {
   const std::filesystem::path file = put("0123456789");
   EXPECT_EQ(readWhole(file, 10), "0123456789");
   EXPECT_THROW(readWhole(file, 9), Error);
@@ -176,7 +176,7 @@ TEST_F(MeshFile, WritesWholeFilesOrNone) {
   EXPECT_TRUE(std::filesystem::is_character_file("/dev/full"));
   int entries = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder_.path())) entries += entry.exists();
-  EXPECT_EQ(entries, 2);  // nothing is left beside
+  EXPECT_EQ(entries, 2);  // no temporary file remains
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Mass properties, caps and normals against closed forms.
+// Mass properties, caps and normals compared with closed forms.
 #include "engine/mesh/mesh.h"
 
 #include <gtest/gtest.h>
@@ -59,7 +59,7 @@ bool isClosed(const TriangleMesh& mesh) {
   return true;
 }
 
-TEST(MassProperties, OfABoxAreTheClosedForm) {
+TEST(MassProperties, BoxEqualsClosedForm) {
   const Vec3 edges(0.1, 0.2, 0.3), center(0.4, -0.5, 5);
   const MassProperties mass = massProperties(box(edges, center));
   const double volume = edges.prod();
@@ -70,7 +70,7 @@ TEST(MassProperties, OfABoxAreTheClosedForm) {
   EXPECT_LT((mass.inertia_m5 - Mat3(moments.asDiagonal())).norm(), 1e-16);
 }
 
-TEST(MassProperties, OfARightTetrahedronAreTheClosedForm) {
+TEST(MassProperties, RightTetrahedronEqualsClosedForm) {
   // Corners at the origin and at 1 on each axis: volume 1/6; about the origin ∫x² = 1/60, ∫xy = 1/120.
   TriangleMesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -84,7 +84,7 @@ TEST(MassProperties, OfARightTetrahedronAreTheClosedForm) {
     for (int j = 0; j < 3; ++j) EXPECT_NEAR(mass.inertia_m5(i, j), i == j ? diagonal : off_diagonal, 1e-15);
 }
 
-TEST(MassProperties, OfAFineSphereApproachTheBall) {
+TEST(MassProperties, FineSphereApproachesBall) {
   const double radius = 0.05;
   const MassProperties mass = massProperties(sphere(radius, 200));
   const double volume = 4. / 3 * std::numbers::pi * std::pow(radius, 3);
@@ -94,7 +94,7 @@ TEST(MassProperties, OfAFineSphereApproachTheBall) {
   EXPECT_LT((mass.inertia_m5 / moment - Mat3::Identity()).norm(), 1e-3);
 }
 
-TEST(MassProperties, TurnWithTheSolid) {
+TEST(MassProperties, RotateWithTheSolid) {
   TriangleMesh mesh = box({0.1, 0.2, 0.3}, {0, 0, 0});
   const Mat3 inertia = massProperties(mesh).inertia_m5;
   const Mat3 rotation = rotationFromVector({0.3, -1.2, 0.8});
@@ -104,7 +104,7 @@ TEST(MassProperties, TurnWithTheSolid) {
   EXPECT_LT((turned.centroid - Vec3(1, 2, 3)).norm(), 1e-14);
 }
 
-TEST(MassProperties, OfAnOpenBoxAreThoseOfTheCappedOne) {
+TEST(MassProperties, OpenBoxEqualsCappedBox) {
   TriangleMesh open = box({0.1, 0.2, 0.3}, {1, 1, 1});
   open.triangles.erase(open.triangles.begin() + 2, open.triangles.begin() + 4);  // the face at +z
   EXPECT_FALSE(isClosed(open));
@@ -113,7 +113,7 @@ TEST(MassProperties, OfAnOpenBoxAreThoseOfTheCappedOne) {
   EXPECT_LT((mass.centroid - Vec3(1, 1, 1)).norm(), 1e-13);
 }
 
-TEST(MassProperties, OfNothingAreZero) {
+TEST(MassProperties, EmptyMeshIsZero) {
   EXPECT_EQ(massProperties({}).volume_m3, 0);
   EXPECT_EQ(massProperties({}).centroid, Vec3(0, 0, 0));
 }
@@ -140,13 +140,13 @@ TEST(WithCaps, ClosesLoopsThatShareAPoint) {
   EXPECT_NEAR(massProperties(mesh).volume_m3, massProperties(sphere(1, 6)).volume_m3, 1e-12);
 }
 
-TEST(WithCaps, LeavesAClosedMeshAlone) {
+TEST(WithCaps, KeepsClosedMeshUnchanged) {
   const TriangleMesh closed = box({1, 1, 1}, {0, 0, 0});
   EXPECT_EQ(withCaps(closed).triangles, closed.triangles);
   EXPECT_EQ(withCaps(closed).vertices.size(), closed.vertices.size());
 }
 
-TEST(VertexNormals, OfASphereAreRadial) {
+TEST(VertexNormals, SphereNormalsAreRadial) {
   const TriangleMesh mesh = sphere(0.05, 60);
   const std::vector<Vec3> normals = vertexNormals(mesh);
   ASSERT_EQ(normals.size(), mesh.vertices.size());

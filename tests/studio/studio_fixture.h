@@ -23,8 +23,7 @@ class Studio : public testing::Test {
   using Strings = std::vector<std::string>;
 
   void SetUp() override {
-    if (!Desktop::possible())
-      GTEST_SKIP() << "there is no Xvfb; third_party/packages.txt names what is needed";
+    if (!Desktop::possible()) GTEST_SKIP() << "Xvfb is missing; third_party/packages.txt lists the packages";
     desktop.emplace();
   }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// TUM trajectories: what is written comes back to the digits that the form has; what is no pose is refused by
-// its line.
+// TUM trajectories: round trips keep the format's digits; invalid files are rejected with their
+// line.
 #include "capture/takes/poses_file.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 namespace airclay {
 namespace {
 
-TEST(PosesFile, readsTheBenchmarksOrder) {
+TEST(PosesFile, ReadsTumOrder) {
   const TemporaryFolder folder;
   // A quarter turn about z: (qx qy qz qw) = (0 0 √½ √½).
   const std::vector<TimedPose> poses = readPoses(folder.write(
@@ -25,7 +25,7 @@ TEST(PosesFile, readsTheBenchmarksOrder) {
   EXPECT_TRUE(poses[1].world_from_hand.isApprox(Pose::Identity(), 1e-15));
 }
 
-TEST(PosesFile, comesBackToItsDigits) {
+TEST(PosesFile, RoundTripKeepsAllDigits) {
   const TemporaryFolder folder;
   std::vector<TimedPose> poses;
   for (int i = 0; i < 50; ++i) {
@@ -46,16 +46,16 @@ TEST(PosesFile, comesBackToItsDigits) {
   }
   std::ifstream in(folder / "poses.tum");
   for (std::string line; std::getline(in, line);) {
-    std::istringstream words(line);
-    std::string word;
+    std::istringstream fields(line);
+    std::string field;
     int count = 0;
-    while (words >> word) ++count;
+    while (fields >> field) ++count;
     EXPECT_EQ(count, 8) << line;
-    EXPECT_EQ(word.front() == '-', false) << line;  // qw >= 0
+    EXPECT_EQ(field.front() == '-', false) << line;  // qw >= 0
   }
 }
 
-TEST(PosesFile, refusesWhatIsNoPose) {
+TEST(PosesFile, RejectsMalformedPoses) {
   const TemporaryFolder folder;
   const std::string good = "0 0 0 0 0 0 0 1\n";
   const std::vector<std::pair<std::string, std::string>> cases{

@@ -7,19 +7,19 @@
 namespace airclay {
 namespace {
 
-/// One buffer a camera.
-struct Pictures {
+/// One buffer per camera.
+struct Images {
   std::vector<std::vector<std::uint8_t>> bytes;
   std::vector<std::span<std::uint8_t>> spans;
 
-  explicit Pictures(const Rig& rig) {
+  explicit Images(const Rig& rig) {
     for (const Camera& camera : rig.cameras)
       bytes.emplace_back(std::size_t(3) * std::size_t(camera.width) * std::size_t(camera.height));
     for (std::vector<std::uint8_t>& image : bytes) spans.emplace_back(image);
   }
 };
 
-TEST(Synthetic, EveryCameraOfTheDemosRigSeesTheWholeCube) {
+TEST(Synthetic, EveryDemoCameraSeesTheWholeWorkspace) {
   const Rig rig = demoRig();
   EXPECT_NO_THROW(checkRig(rig, "demo"));
   const double half = rig.workspace.edge_m / 2;
@@ -40,9 +40,9 @@ TEST(Synthetic, HasTimesTruthAndBackgroundFrames) {
   EXPECT_DOUBLE_EQ(recording.truth()->front().time_s, recording.timeOf(10));
 }
 
-TEST(Synthetic, FramesAreTheSameInAnyOrderAndEndWhereTheyShould) {
+TEST(Synthetic, FramesDoNotDependOnReadOrder) {
   Synthetic recording(testGpu());
-  Pictures first(recording.rig()), again(recording.rig());
+  Images first(recording.rig()), again(recording.rig());
   ASSERT_TRUE(recording.readImages(40, first.spans));
   ASSERT_TRUE(recording.readImages(3, again.spans));
   EXPECT_NE(first.bytes, again.bytes);
@@ -51,12 +51,12 @@ TEST(Synthetic, FramesAreTheSameInAnyOrderAndEndWhereTheyShould) {
   EXPECT_FALSE(recording.readImages(recording.frameCount(), again.spans));
 }
 
-TEST(Synthetic, TheHandIsInTheImagesWhereTheTruthSaysAndNowhereBefore) {
+TEST(Synthetic, HandAppearsAtTheTruePose) {
   SyntheticOptions options;
-  options.meshes = {builtInHand(false).skin};  // without the forearm, whose end is in no truth
-  options.noise_sigma = options.drift = 0;     // then only the hand adds red: shadow takes it away
+  options.meshes = {builtInHand(false).skin};  // without the forearm, whose end has no truth
+  options.noise_sigma = options.drift = 0;     // then only the hand increases red; shadow decreases it
   Synthetic recording(testGpu(), options);
-  Pictures empty(recording.rig()), other(recording.rig()), full(recording.rig());
+  Images empty(recording.rig()), other(recording.rig()), full(recording.rig());
   recording.readImages(0, empty.spans);
   recording.readImages(9, other.spans);
   const int frame = 45;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Takes made here, read back frame by frame; and each kind of bad take, refused in one line that names the
-// place.
+// Takes written here and read back frame by frame; and each kind of invalid take, rejected in one line that
+// names the place.
 #include "capture/takes/take.h"
 
 #include <gtest/gtest.h>
@@ -42,11 +42,11 @@ translation = [0, 0, 1.2]
 units = "m"
 )";
 
-/// The grey of camera `camera`'s frame: what tells frames apart through a lossy codec.
+/// The grey level of a camera's frame: distinguishes frames despite a lossy codec.
 int greyOf(int camera, int frame) {
   return 20 + 100 * camera + 16 * frame;
 }
-// Less than half the way to the next frame's grey; H.264 with limited-range YUV loses up to 5.
+// Less than half the difference between frames; H.264 with limited-range YUV loses up to 5.
 constexpr int kGreyLoss = 7;
 
 void writeVideo(const std::filesystem::path& file, int camera, int frames, ImageSize size = {kWidth, kHeight},
@@ -74,7 +74,7 @@ std::string numbered(int frame) {
   return std::string(6 - digits.size(), '0') + digits + ".png";
 }
 
-/// Memory for a frame of every camera.
+/// A buffer per camera.
 struct Frame {
   explicit Frame(const Take& take, int channels = 3) {
     for (const Camera& camera : take.rig().cameras)
@@ -94,7 +94,7 @@ class TakeTest : public testing::Test {
     writeVideo(folder / "right.mp4", 1, right_frames);
   }
 
-  /// What opening the take, or reading all of it, has to say; "" when it is sound.
+  /// The error of opening or reading the take; "" if there is none.
   std::string fault() {
     const std::string message = messageOf([&] {
       Take take(folder.path());
@@ -109,7 +109,7 @@ class TakeTest : public testing::Test {
   void expectFault(const std::vector<std::string>& mentions) {
     testing::internal::CaptureStderr();
     const std::string message = fault();
-    EXPECT_EQ(testing::internal::GetCapturedStderr(), "") << "beside: " << message;
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "") << "with the error: " << message;
     EXPECT_NE(message, "");
     for (const std::string& mention : mentions)
       EXPECT_NE(message.find(mention), std::string::npos) << "\"" << mention << "\" is not in: " << message;
@@ -118,7 +118,7 @@ class TakeTest : public testing::Test {
   TemporaryFolder folder;
 };
 
-TEST_F(TakeTest, videosComeFrameByFrame) {
+TEST_F(TakeTest, ReadsVideosFrameByFrame) {
   writeVideos();
   Take take(folder.path());
   EXPECT_EQ(take.frameCount(), 6);
@@ -142,7 +142,7 @@ TEST_F(TakeTest, videosComeFrameByFrame) {
   for (const int number : {3, 1, 5, 5, 0}) expectFrame(number);  // any order
 }
 
-TEST_F(TakeTest, imagesComeExactly) {
+TEST_F(TakeTest, ReadsImagesExactly) {
   for (int frame = 0; frame < 3; ++frame)
     for (const char* camera : {"left", "right"})
       writeImage(folder / camera / numbered(frame), flat({10.0 + frame, 20, camera[0] == 'l' ? 30.0 : 40.0}));
@@ -164,7 +164,7 @@ TEST_F(TakeTest, imagesComeExactly) {
   EXPECT_EQ(frame.bytes[1][0], 4);
 }
 
-TEST_F(TakeTest, otherContainersAreRead) {
+TEST_F(TakeTest, ReadsOtherContainers) {
   quietOpenCv();
   const auto write = [&](const char* name, const char* fourcc, int camera) {
     cv::VideoWriter writer((folder / name).string(), cv::CAP_FFMPEG,
@@ -188,7 +188,7 @@ TEST_F(TakeTest, otherContainersAreRead) {
   EXPECT_NEAR(take.rateHz(), 20, 1e-6);
 }
 
-TEST_F(TakeTest, endingsAndNamesMayBeInCapitals) {
+TEST_F(TakeTest, AcceptsUpperCaseNamesAndExtensions) {
   writeVideo(folder / "a.mp4", 0, 2);
   writeVideo(folder / "b.mp4", 1, 2);
   for (const char* ending : {".MP4", ".mov", ".MOV", ".m4v"}) {
@@ -208,21 +208,21 @@ TEST_F(TakeTest, endingsAndNamesMayBeInCapitals) {
   EXPECT_EQ(Take(folder.path()).frameCount(), 1);
 }
 
-TEST_F(TakeTest, aCameraHasOneVideo) {
+TEST_F(TakeTest, RejectsTwoVideosOfOneCamera) {
   writeVideos();
   std::filesystem::copy_file(folder / "left.mp4", folder / "LEFT.MP4");
-  EXPECT_EQ(fault(), "");  // left.mp4 is exactly the camera's name
+  EXPECT_EQ(fault(), "");  // left.mp4 equals the camera's name exactly
   std::filesystem::copy_file(folder / "left.mp4", folder / "left.MOV");
   expectFault({"left", "second video", "left.mp4"});
 }
 
-TEST_F(TakeTest, aRotatedRecordingIsNamed) {
+TEST_F(TakeTest, ReportsRotatedRecording) {
   writeVideo(folder / "left.mp4", 0, 2, {kHeight, kWidth});
   writeVideo(folder / "right.mp4", 1, 2);
   expectFault({"left", "48 x 64", "64 x 48", "90°"});
 }
 
-TEST_F(TakeTest, namesMayHaveSpacesSignsAndOtherLetters) {
+TEST_F(TakeTest, AcceptsSpacesSignsAndUnicodeInNames) {
   std::string rig = kRig;
   rig.replace(rig.find("left"), 4, "Größe #1 左");
   folder.write("rig.toml", rig);
@@ -233,7 +233,7 @@ TEST_F(TakeTest, namesMayHaveSpacesSignsAndOtherLetters) {
   EXPECT_EQ(fault(), "");
 }
 
-TEST_F(TakeTest, unequalLengthsStopAtTheShortestWithANote) {
+TEST_F(TakeTest, UnequalLengthsEndAtTheShortestWithANote) {
   writeVideos(7, 4);
   Take take(folder.path());
   EXPECT_EQ(take.frameCount(), 4);
@@ -244,10 +244,10 @@ TEST_F(TakeTest, unequalLengthsStopAtTheShortestWithANote) {
   EXPECT_EQ(fault(), "");
 }
 
-TEST_F(TakeTest, masksAloneMakeATake) {
+TEST_F(TakeTest, AcceptsMasksWithoutImages) {
   cv::Mat mask(kHeight, kWidth, CV_8UC1, cv::Scalar(0));
   mask.at<std::uint8_t>(5, 7) = 255;
-  mask.at<std::uint8_t>(6, 7) = 128;  // a soft edge: half and more is the object
+  mask.at<std::uint8_t>(6, 7) = 128;  // a soft edge: half and above is the object
   mask.at<std::uint8_t>(7, 7) = 127;
   writeImage(folder / "silhouettes/left/000004.png", mask);
   std::filesystem::create_directories(folder / "silhouettes/right");
@@ -268,7 +268,7 @@ TEST_F(TakeTest, masksAloneMakeATake) {
   EXPECT_FALSE(take.readSilhouettes(5, masks.spans));
 }
 
-TEST_F(TakeTest, timesAreTheMeanOfTheCameras) {
+TEST_F(TakeTest, FrameTimeIsTheMeanOfTheCameras) {
   writeVideos(3, 3);
   folder.write("timestamps.csv",
                "cam_id,frame_time\nleft,10.0\nright,10.2\nright,10.3\nleft,10.1\nleft,10.2\nright,10.5\n"
@@ -282,14 +282,14 @@ TEST_F(TakeTest, timesAreTheMeanOfTheCameras) {
   EXPECT_NEAR(*skewOf(take.cameraTimesOf(2)), 0.3, 1e-12);
 }
 
-TEST_F(TakeTest, withoutTimestampsThereIsNoSkew) {
+TEST_F(TakeTest, NoSkewWithoutTimestamps) {
   writeVideos(3, 3);
   const Take take(folder.path());
   EXPECT_TRUE(take.cameraTimesOf(1).empty());
   EXPECT_FALSE(skewOf(take.cameraTimesOf(1)));
 }
 
-TEST_F(TakeTest, whatBrokeOffIsReadAsFarAsItGoes) {
+TEST_F(TakeTest, ReadsIncompleteTake) {
   writeVideos(3, 3);
   folder.write("timestamps.csv", "cam_id,frame_time\nleft,1\nright,1\nleft,2\nright,2\nleft,2.5\nri");
   expectFault({"timestamps.csv:7:"});
@@ -300,21 +300,21 @@ TEST_F(TakeTest, whatBrokeOffIsReadAsFarAsItGoes) {
   EXPECT_EQ(Take(folder.path(), options).frameCount(), 1);
 }
 
-TEST(Timestamps, camerasGoByNameOrNumber) {
+TEST(Timestamps, AcceptsCameraNamesAndNumbers) {
   const TemporaryFolder folder;
   const auto read = [&](const std::string& rows, const std::vector<std::string>& names) {
     const std::vector<double> times =
         readFrameTimes(folder.write("timestamps.csv", "sync_index,cam_id,frame_time\n" + rows), names, 1)[0];
     return (times.at(0) + times.at(1)) / 2;
   };
-  EXPECT_EQ(read("0,0,1\n0,1,2\n", {"left", "right"}), 1.5);    // the place in the rig
-  EXPECT_EQ(read("0,7,1\n0,5,2\n", {"cam_5", "cam_07"}), 1.5);  // the number in the name
+  EXPECT_EQ(read("0,0,1\n0,1,2\n", {"left", "right"}), 1.5);    // position in the rig
+  EXPECT_EQ(read("0,7,1\n0,5,2\n", {"cam_5", "cam_07"}), 1.5);  // number in the name
   EXPECT_EQ(read("0,cam_07,1\n0,5,2\n", {"cam_5", "cam_07"}), 1.5);
   EXPECT_NE(messageOf([&] { read("0,0,1\n0,1,2\n", {"cam_5", "cam_07"}); }).find(":2:"), std::string::npos);
   EXPECT_NE(messageOf([&] { read("0,1,1\n0,1,2\n", {"left_1", "right_1"}); }).find(":2:"), std::string::npos);
 }
 
-TEST_F(TakeTest, truthIsRead) {
+TEST_F(TakeTest, ReadsTruth) {
   writeVideos(2, 2);
   folder.write("truth.tum", "0.04 0.1 0.2 0.3 0 0 0 1\n");
   const Take take(folder.path());
@@ -382,7 +382,7 @@ T_right: !!opencv-matrix
   data: [0., 0., 1.2]
 )";
 
-TEST_F(TakeTest, easyMocapsRigTakesItsSizesFromTheImages) {
+TEST_F(TakeTest, EasyMocapRigTakesSizesFromImages) {
   std::filesystem::remove(folder / "rig.toml");
   folder.write("intri.yml", kIntri);
   folder.write("extri.yml", kExtri);
@@ -399,7 +399,7 @@ TEST_F(TakeTest, easyMocapsRigTakesItsSizesFromTheImages) {
   EXPECT_TRUE(cameras[0].camera_from_world.linear().isApprox(third, 1e-12));
 }
 
-TEST_F(TakeTest, easyMocapsRigIsCheckedToo) {
+TEST_F(TakeTest, ChecksEasyMocapRig) {
   std::filesystem::remove(folder / "rig.toml");
   writeVideos(2, 2);
   const auto changed = [](std::string text, const std::string& from, const std::string& to) {
@@ -422,7 +422,7 @@ TEST_F(TakeTest, easyMocapsRigIsCheckedToo) {
   expectFault({"left", "640 x 480", "64 x 48"});
 }
 
-TEST_F(TakeTest, badFolders) {
+TEST_F(TakeTest, RejectsBadFolders) {
   writeVideos(2, 2);
   EXPECT_EQ(fault(), "");
   EXPECT_NE(messageOf([&] { Take take(folder / "none"); }).find("no such take"), std::string::npos);
@@ -438,7 +438,7 @@ TEST_F(TakeTest, badFolders) {
   expectFault({"left", "holds no image"});
 }
 
-TEST_F(TakeTest, badVideos) {
+TEST_F(TakeTest, RejectsBadVideos) {
   writeVideos(20, 20);
   writeVideo(folder / "right.mp4", 1, 20, {96, 48});
   expectFault({"right", "96 x 48", "64 x 48"});
@@ -454,7 +454,7 @@ TEST_F(TakeTest, badVideos) {
   folder.write("right.mp4", "");
   expectFault({"right.mp4", "cannot be opened"});
 
-  // The index is whole, the second half of the images is gone.
+  // The index is complete, the second half of the images is missing.
   const size_t data = whole.find("mdat"), index = whole.find("moov");
   ASSERT_LT(data, index);
   std::string gutted = whole;
@@ -464,7 +464,7 @@ TEST_F(TakeTest, badVideos) {
   expectFault({"right.mp4", "fails at frame", "of the 20"});
 }
 
-TEST_F(TakeTest, aCutMatroskaVideoIsNoShorterOne) {
+TEST_F(TakeTest, RejectsTruncatedMatroskaVideo) {
   quietOpenCv();
   writeVideo(folder / "left.mp4", 0, 20);
   const std::filesystem::path right = folder / "right.mkv";
@@ -482,7 +482,7 @@ TEST_F(TakeTest, aCutMatroskaVideoIsNoShorterOne) {
   expectFault({"right.mkv", "fails at frame", "of the 20"});
 }
 
-TEST_F(TakeTest, badImages) {
+TEST_F(TakeTest, RejectsBadImages) {
   for (int frame = 0; frame < 3; ++frame)
     for (const char* camera : {"left", "right"})
       writeImage(folder / camera / numbered(frame), flat({1, 2, 3}));
@@ -507,7 +507,7 @@ TEST_F(TakeTest, badImages) {
   writeImage(folder / "noise.jpg", noise);
   std::ifstream jpeg(folder / "noise.jpg", std::ios::binary);
   const std::string jpeg_bytes{std::istreambuf_iterator<char>(jpeg), {}};
-  folder.write("left/000001.png", jpeg_bytes);  // the name's ending does not matter
+  folder.write("left/000001.png", jpeg_bytes);  // the name's extension does not matter
   EXPECT_EQ(fault(), "");
   folder.write("left/000001.png", jpeg_bytes.substr(0, jpeg_bytes.size() * 2 / 3));
   expectFault({"left/000001.png", "cut off"});
@@ -518,7 +518,7 @@ TEST_F(TakeTest, badImages) {
   expectFault({"background", "right.png", "60 x 48"});
 }
 
-TEST_F(TakeTest, badMasks) {
+TEST_F(TakeTest, RejectsBadMasks) {
   std::filesystem::create_directories(folder / "silhouettes/left");
   expectFault({"silhouettes/right", "right"});
   std::filesystem::create_directories(folder / "silhouettes/right");
@@ -534,7 +534,7 @@ TEST_F(TakeTest, badMasks) {
   expectFault({"99999999999.png", "number"});
 }
 
-TEST_F(TakeTest, badTimestamps) {
+TEST_F(TakeTest, RejectsBadTimestamps) {
   writeVideos(2, 2);
   const std::vector<std::pair<std::string, std::string>> cases{
       {"camera,time\n", ":1:"},
@@ -552,7 +552,7 @@ TEST_F(TakeTest, badTimestamps) {
   }
 }
 
-TEST(VideoWriter, leavesNothingUnfinishedAndSaysWhatItCannotWrite) {
+TEST(VideoWriter, RemovesUnfinishedVideoAndReportsErrors) {
   const TemporaryFolder folder;
   { VideoWriter dropped(folder / "dropped.mp4", {{kWidth, kHeight}}); }
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
@@ -566,7 +566,7 @@ TEST(VideoWriter, leavesNothingUnfinishedAndSaysWhatItCannotWrite) {
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
-TEST(VideoWriter, writesRgbaAsH264) {
+TEST(VideoWriter, WritesRgbaAsH264) {
   const TemporaryFolder folder;
   VideoWriter writer(folder / "red.mp4", {{kWidth, kHeight}, 24, VideoWriter::Format::kRgba8});
   std::vector<std::uint8_t> pixels;
@@ -587,7 +587,7 @@ TEST(VideoWriter, writesRgbaAsH264) {
   EXPECT_NEAR(pixel[0], 60, 4);
 }
 
-TEST(ImageFile, pngComesBackExactly) {
+TEST(ImageFile, PngRoundTripIsExact) {
   const TemporaryFolder folder;
   std::vector<std::uint8_t> rgba;
   for (int i = 0; i < 5 * 4; ++i)

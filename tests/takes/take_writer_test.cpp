@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Takes as they are written: read again they give every bit back, also when the writing broke off.
+// Writing takes: reading returns every bit, even after an interruption.
 #include "capture/takes/take_writer.h"
 
 #include <gtest/gtest.h>
@@ -16,9 +16,9 @@ namespace airclay {
 namespace {
 
 namespace fs = std::filesystem;
-using Pictures = std::vector<std::vector<std::uint8_t>>;
+using Images = std::vector<std::vector<std::uint8_t>>;
 
-/// The ring's cameras, of whom the second has an odd width: its images are no video.
+/// The ring's cameras; the second one has an odd width, so its images are not a video.
 Rig rig(int width = 64, int height = 48) {
   Rig rig = ringRig(3, width, height);
   rig.cameras[1].width -= 1;
@@ -29,10 +29,10 @@ std::size_t pixels(const Camera& camera) {
   return std::size_t(camera.width) * std::size_t(camera.height);
 }
 
-/// Noise: whatever a codec would drop is there.
-Pictures noise(const Rig& of, unsigned seed) {
+/// Noise, because codecs lose it first.
+Images noise(const Rig& of, unsigned seed) {
   std::mt19937 random(seed);
-  Pictures images;
+  Images images;
   for (const Camera& camera : of.cameras) {
     images.emplace_back(3 * pixels(camera));
     for (std::uint8_t& byte : images.back()) byte = static_cast<std::uint8_t>(random());
@@ -51,9 +51,9 @@ void writeNoise(const fs::path& folder, int sets) {
   EXPECT_EQ(writer.status().sets, sets);
 }
 
-/// Every frame that there is, is what was written.
+/// Every existing frame equals what was written.
 void expectNoise(Take& take) {
-  Pictures images = noise(rig(), 99);
+  Images images = noise(rig(), 99);
   const std::vector<std::span<std::uint8_t>> buffers(images.begin(), images.end());
   for (int i = 0; i < take.frameCount(); ++i) {
     ASSERT_TRUE(take.readImages(i, buffers));
@@ -62,7 +62,7 @@ void expectNoise(Take& take) {
   }
 }
 
-TEST(TakeWriter, EveryBitComesBack) {
+TEST(TakeWriter, ImagesRoundTripExactly) {
   const TemporaryFolder folder;
   writeNoise(folder / "take", 40);
   Take take(folder / "take");
@@ -77,11 +77,11 @@ TEST(TakeWriter, EveryBitComesBack) {
   }
 }
 
-TEST(TakeWriter, MasksComeBack) {
+TEST(TakeWriter, MasksRoundTripExactly) {
   const TemporaryFolder folder;
   const Rig of = rig();
   const auto masks = [&](unsigned seed) {
-    Pictures bytes;
+    Images bytes;
     for (std::size_t c = 0; c < 3; ++c) {
       const std::vector<std::uint8_t> random = noise(of, seed)[c];
       bytes.emplace_back();
@@ -97,7 +97,7 @@ TEST(TakeWriter, MasksComeBack) {
   Take take(folder / "take");
   EXPECT_EQ(take.frameCount(), 5);
   EXPECT_TRUE(take.cameraTimesOf(0).empty());
-  Pictures read = masks(77);
+  Images read = masks(77);
   const std::vector<std::span<std::uint8_t>> buffers(read.begin(), read.end());
   for (int i = 0; i < 5; ++i) {
     ASSERT_TRUE(take.readSilhouettes(i, buffers));
@@ -105,16 +105,16 @@ TEST(TakeWriter, MasksComeBack) {
   }
 }
 
-TEST(TakeWriter, WhatWasCutOffIsReadAsFarAsItGoes) {
+TEST(TakeWriter, InterruptedTakeIsReadable) {
   const TemporaryFolder folder;
   writeNoise(folder / "take", 30);
   const fs::path video = folder / "take/cam0.mkv", times = folder / "take/timestamps.csv";
   const auto whole = fs::file_size(video);
   int least = 30;
-  for (const double share : {0.95, 0.7, 0.61, 0.6, 0.35}) {
-    fs::resize_file(video, static_cast<std::uintmax_t>(share * double(whole)));
+  for (const double fraction : {0.95, 0.7, 0.61, 0.6, 0.35}) {
+    fs::resize_file(video, static_cast<std::uintmax_t>(fraction * double(whole)));
     Take take(folder / "take", {.unfinished = true});
-    EXPECT_GE(take.frameCount(), static_cast<int>(30 * share) - 2) << share;
+    EXPECT_GE(take.frameCount(), static_cast<int>(30 * fraction) - 2) << fraction;
     EXPECT_LE(take.frameCount(), least);
     least = take.frameCount();
     expectNoise(take);
@@ -126,7 +126,7 @@ TEST(TakeWriter, WhatWasCutOffIsReadAsFarAsItGoes) {
   expectNoise(take);
 }
 
-TEST(TakeWriter, TimesThatRunBackGoOnAfterThoseBefore) {
+TEST(TakeWriter, DecreasingTimesAreMadeMonotonic) {
   const TemporaryFolder folder;
   TakeWriter writer(folder / "take", rig(), {.rate_hz = 10});
   for (const int set : {3, 4, 0, 1}) writer.write({timesOf(set), noise(rig(), 1)});
@@ -140,10 +140,10 @@ TEST(TakeWriter, TimesThatRunBackGoOnAfterThoseBefore) {
   EXPECT_NEAR(take.timeOf(3) - take.timeOf(2), 1 / 3.0, 1e-12);
 }
 
-TEST(TakeWriter, AFullQueueWaitsAndLeavesNothingOut) {
+TEST(TakeWriter, FullQueueBlocksAndDropsNothing) {
   const TemporaryFolder folder;
   const Rig large = rig(1280, 960);
-  Pictures flat = noise(large, 1);  // noise: slow to code
+  Images flat = noise(large, 1);  // noise: slow to encode
   std::size_t bytes = 0;
   for (const std::vector<std::uint8_t>& one : flat) bytes += one.size();
   const int sets = static_cast<int>(2 * TakeWriter::kQueueBytes / bytes) + 2;
@@ -156,7 +156,7 @@ TEST(TakeWriter, AFullQueueWaitsAndLeavesNothingOut) {
   EXPECT_EQ(Take(folder / "take").frameCount(), sets);
 }
 
-TEST(TakeWriter, AFullDiskEndsItAndWhatIsThereCanBeRead) {
+TEST(TakeWriter, FullDiskLeavesReadableTake) {
   const TemporaryFolder folder;
   int asked = 0;
   TakeWriter::Options options;
@@ -182,7 +182,7 @@ TEST(TakeWriter, AFullDiskEndsItAndWhatIsThereCanBeRead) {
   expectNoise(take);
 }
 
-TEST(TakeWriter, AFolderWithSomethingInItIsRefused) {
+TEST(TakeWriter, RejectsNonEmptyFolder) {
   const TemporaryFolder folder;
   folder.write("mine.txt", "x");
   try {
