@@ -148,7 +148,7 @@ TEST(RigSuspicions, NameTheLikelyCause) {
     const bool is_found = std::any_of(findings.begin(), findings.end(), [&](const RigDiagnostic& finding) {
       const std::string line = diagnosticMessage(finding, "rig");
       return std::all_of(defect.expected.begin(), defect.expected.end(),
-                         [&](const std::string& word) { return line.find(text) != std::string::npos; });
+                         [&](const std::string& text) { return line.find(text) != std::string::npos; });
     });
     EXPECT_TRUE(is_found) << defect.name << ": " << shown(findings);
     for (const RigDiagnostic& finding : findings) {
