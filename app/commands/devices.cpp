@@ -54,7 +54,7 @@ void runDevices(const CommonOptions& options) {
   if (options.printsMessages()) printDevices(devices);
   for (const DeviceInfo& device : devices)
     if (device.missing.empty()) return;
-  throw Error("none of the Vulkan devices has what is needed; a driver for Vulkan 1.3 would be right",
+  throw Error("none of the Vulkan devices has the required features; use a driver for Vulkan 1.3",
               Fault::kDevice);
 }
 

@@ -34,7 +34,7 @@ void runHull(const HullOptions& options) {
   CommandGpu gpu(options);
   // Pipeline needs a hand model, although no hand is tracked here.
   Pipeline pipeline(gpu, take.rig(), builtInHand(false), {options.voxels});
-  Player(take, pipeline).hullOf(options.frame);
+  Player(take, pipeline).computeHull(options.frame);
 
   const std::vector<Eigen::Vector3f> points =
       occupiedCentres(pipeline.carver().download(), take.rig().workspace);

@@ -157,7 +157,7 @@ void Recorder::write(LiveSet set) {
     first_s_ = *std::min_element(times_s.begin(), times_s.end());
     for (const CameraStatus& one : cameras_.status()) drops_before_.push_back(one.drops);
   }
-  TakenSet taken;
+  RecordedSet taken;
   for (const double time_s : times_s) taken.camera_times_s.push_back(time_s - first_s_);
   for (LiveImage& image : set.images) taken.bytes.push_back(std::move(image.bgr));
   last_s_ = set.time_s;

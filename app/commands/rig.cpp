@@ -140,7 +140,7 @@ RigReport reportOn(const CheckOptions& options) {
   if (!fits || take.instants.empty()) return report;
   const ProgressTask progress("carving", options.printsMessages());
   report.agreement = silhouetteAgreement(reading.rig, take.instants);
-  report.add(silhouetteDiagnostics(reading.rig, take.instants, report.agreement, take.trust));
+  report.add(silhouetteDiagnostics(reading.rig, take.instants, report.agreement, take.source));
   return report;
 }
 

@@ -221,7 +221,7 @@ void sculptByMouse(const SculptOptions& options) {
 Document replayDocument(const SculptOptions& options, const std::filesystem::path& file) {
   if (std::filesystem::exists(file))
     throw Error(file.string() +
-                ": the document exists already; a new name for the result of the replay would be right");
+                ": the document already exists; use another name for the result of the replay");
   std::error_code error;
   std::filesystem::copy_file(std::filesystem::path(options.take.folder) / kStartFile, file, error);
   if (error)
@@ -249,7 +249,7 @@ void replay(SculptOptions options) {
   std::optional<Take> take;
   if (!head.by_mouse) {
     TakeOptions excerpt;
-    excerpt.most_frames = static_cast<int>(replay.actions.steps.size());
+    excerpt.max_frames = static_cast<int>(replay.actions.steps.size());
     take.emplace(options.take.open(excerpt));
   }
   Job job = jobFor(options, take ? &*take : nullptr, take ? take->rig() : readRig(folder / "rig.toml"));

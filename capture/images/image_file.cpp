@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Images through OpenCV's codecs. A file's frame is checked here first (PNG: W3C's specification, 5; JPEG:
-// ITU T.81, B.1): its size before memory is taken for it, its completeness because libpng and libjpeg
-// complain on standard error.
+// Images through OpenCV's codecs. The file structure is checked here first (PNG: W3C specification, 5; JPEG: ITU T.81,
+// B.1): the size before memory is allocated, and completeness because libpng and libjpeg write errors to standard
+// error.
 #include "capture/images/image_file.h"
 
 #include <array>
@@ -21,14 +21,14 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-// 16384 x 16384 in 8-bit RGBA, stored: no image of a rig is larger.
+// 16384 x 16384 pixels in uncompressed 8-bit RGBA, the largest image of a rig.
 constexpr std::uintmax_t kMaxFileBytes = 1u << 30;
 
 Bytes readBytes(const std::filesystem::path& file) {
-  std::error_code fault;
-  const std::uintmax_t size = std::filesystem::file_size(file, fault);
-  if (fault) throw Error(file.string() + ": the image is missing or no readable file");
-  if (size > kMaxFileBytes) throw Error(file.string() + ": the image's file is larger than 1 GB");
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(file, error);
+  if (error) throw Error(file.string() + ": the image is missing or is not a readable file");
+  if (size > kMaxFileBytes) throw Error(file.string() + ": the image file is larger than 1 GB");
   Bytes bytes(size);
   std::ifstream in(file, std::ios::binary);
   if (!in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size)))
@@ -58,7 +58,7 @@ std::uint32_t crc32(const std::uint8_t* bytes, size_t count) {
   return ~crc;
 }
 
-/// The size in IHDR when all chunks up to IEND are there and unharmed; nothing else.
+/// Reads the size in IHDR; true if all chunks up to IEND are complete and intact.
 bool readPngFrame(const Bytes& bytes, ImageSize& size) {
   for (size_t at = 8; at + 12 <= bytes.size();) {
     const size_t length = bigEndian(bytes, at, 4);
@@ -73,12 +73,12 @@ bool readPngFrame(const Bytes& bytes, ImageSize& size) {
   return false;
 }
 
-/// The size in the frame header when the end-of-image marker follows it.
+/// Reads the size in the frame header; true if the end-of-image marker follows.
 bool readJpegFrame(const Bytes& bytes, ImageSize& size) {
   size_t at = 2;
   while (at + 9 <= bytes.size() && bytes[at] == 0xff) {
     const std::uint8_t marker = bytes[at + 1];
-    if (marker == 0xff) {  // fill
+    if (marker == 0xff) {  // fill byte
       ++at;
       continue;
     }
@@ -103,7 +103,7 @@ ImageSize frameSize(const Bytes& bytes, const std::filesystem::path& file) {
   ImageSize size;
   if (!(is_png ? readPngFrame(bytes, size) : readJpegFrame(bytes, size)) || size.width <= 0 ||
       size.height <= 0)
-    throw Error(file.string() + ": the image is cut off or damaged; a whole one would be right");
+    throw Error(file.string() + ": the image is truncated or damaged; expected a complete one");
   return size;
 }
 
@@ -117,15 +117,15 @@ ImageSize imageSize(const std::filesystem::path& file) {
   return frameSize(readBytes(file), file);
 }
 
-void readImage(const std::filesystem::path& file, ImageSize size, PixelFormat form,
+void readImage(const std::filesystem::path& file, ImageSize size, PixelFormat format,
                std::span<std::uint8_t> pixels) {
   quietOpenCv();
   const Bytes bytes = readBytes(file);
   const ImageSize found = frameSize(bytes, file);
   if (found != size)
-    throw Error(file.string() + ": the image is " + text(found) + " pixels; the rig's " + text(size) +
-                " would be right");
-  const bool is_grey = form == PixelFormat::kGrey8;
+    throw Error(file.string() + ": the image is " + text(found) + " pixels; expected the rig's " +
+                text(size));
+  const bool is_grey = format == PixelFormat::kGrey8;
   const int flags = (is_grey ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR) | cv::IMREAD_IGNORE_ORIENTATION;
   cv::Mat target(size.height, size.width, is_grey ? CV_8UC1 : CV_8UC3, pixels.data());
   cv::Mat decoded;
@@ -135,16 +135,16 @@ void readImage(const std::filesystem::path& file, ImageSize size, PixelFormat fo
     decoded.release();
   }
   if (decoded.size() != target.size() || decoded.type() != target.type())
-    throw Error(file.string() + ": the image cannot be decoded; a PNG or JPEG would be right");
+    throw Error(file.string() + ": the image cannot be decoded; expected a PNG or JPEG");
   decoded.copyTo(target);
 }
 
 void writePng(const std::filesystem::path& file, ImageSize size, std::span<const std::uint8_t> rgba) {
   if (size.width < 1 || size.height < 1 ||
       rgba.size() != static_cast<size_t>(size.width) * static_cast<size_t>(size.height) * 4)
-    throw Error(file.string() + ": an image of " + text(size) + " pixels was given " +
-                std::to_string(rgba.size()) + " bytes");
-  // OpenCV only reads from it, but has no constant matrix over foreign memory.
+    throw Error(file.string() + ": got " + std::to_string(rgba.size()) + " bytes for an image of " +
+                text(size) + " pixels");
+  // OpenCV only reads the data, but cv::Mat cannot wrap const memory.
   const cv::Mat image(size.height, size.width, CV_8UC4, const_cast<std::uint8_t*>(rgba.data()));
   cv::Mat bgra;
   cv::cvtColor(image, bgra, cv::COLOR_RGBA2BGRA);

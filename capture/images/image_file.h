@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Still images in files: PNG and JPEG in, PNG out.
+// Image files: reads PNG and JPEG, writes PNG.
 #pragma once
 
 #include <cstdint>
@@ -13,20 +13,19 @@ struct ImageSize {
   bool operator==(const ImageSize&) const = default;
 };
 
-/// How the pixels are wanted, tightly packed.
+/// The format of decoded pixels, without padding; the value is the bytes per pixel.
 enum class PixelFormat { kGrey8 = 1, kBgr8 = 3 };
 
-/// An image's size, from its header alone. \throw Error naming the file when it is no PNG or JPEG, or is
-/// incomplete.
+/// An image's size, from its header. \throw Error naming the file if it is not a PNG or JPEG, or is incomplete.
 ImageSize imageSize(const std::filesystem::path& file);
 
-/// Decodes an image as it lies in the file (an orientation tag is not applied: a calibration is of the raw
-/// image). \pre pixels holds width * height * bytes of the form. \throw Error naming the file when it is of
-/// another size, no PNG or JPEG, or broken.
-void readImage(const std::filesystem::path& file, ImageSize size, PixelFormat form,
+/// Decodes an image and ignores its orientation tag, because calibrations refer to the raw image. \pre `pixels` has
+/// width * height * bytes per pixel. \throw Error naming the file if it has another size, is not a PNG or JPEG, or is
+/// damaged.
+void readImage(const std::filesystem::path& file, ImageSize size, PixelFormat format,
                std::span<std::uint8_t> pixels);
 
-/// Writes RGBA pixels, 8 bits a channel, rows from the top. The file appears whole or not at all.
+/// Writes RGBA pixels, 8 bits per channel, rows from the top, atomically.
 void writePng(const std::filesystem::path& file, ImageSize size, std::span<const std::uint8_t> rgba);
 
 }  // namespace airclay

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// FFmpeg's log level can only be reached through the environment: OpenCV reads it once, at the first video.
+// FFmpeg's log level can only be set through the environment, which OpenCV reads once, at the first video.
 #include "capture/images/quiet_opencv.h"
 
 #include <cstdlib>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// OpenCV and FFmpeg write their own lines to standard error; this program's faults are one line each.
+// Silences OpenCV and FFmpeg, which otherwise write to standard error; this program reports each error in one line.
 #pragma once
 
 namespace airclay {
 
-/// Silences OpenCV's log and FFmpeg's for the whole process, unless OPENCV_FFMPEG_LOGLEVEL or
-/// OPENCV_LOG_LEVEL asks for it. To be called before OpenCV's first video: all of capture/ does.
+/// Silences the logs of OpenCV and FFmpeg for the whole process, unless OPENCV_FFMPEG_LOGLEVEL or OPENCV_LOG_LEVEL is
+/// set. Call it before OpenCV opens its first video, as all of capture/ does.
 void quietOpenCv();
 
 }  // namespace airclay

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Videos through OpenCV's FFmpeg backend, images through picture_file.
+// Videos through OpenCV's FFmpeg backend, images through image_file.h.
 #include "capture/images/video_reader.h"
 
 #include <algorithm>
@@ -15,9 +15,9 @@
 namespace airclay {
 namespace {
 
-// Of images, and of a video that doesn't say: the rate of ordinary cameras.
+// For images, and for videos without a rate: the rate of ordinary cameras.
 constexpr double kDefaultRateHz = 30;
-// Nine hours at 30 Hz: a larger number in a file's name is no frame's.
+// Nine hours at 30 Hz; a larger number in a file name is not a frame number.
 constexpr int kMaxFrame = 1'000'000;
 
 class VideoSource : public FrameSource {
@@ -30,7 +30,7 @@ class VideoSource : public FrameSource {
     const double rate = video_.get(cv::CAP_PROP_FPS);
     rate_hz_ = rate > 0 && rate <= 1000 ? rate : kDefaultRateHz;
     frame_count_ = countFrames();
-    if (frame_count_ < 1) throw Error(file_.string() + ": the video holds no frame that can be decoded");
+    if (frame_count_ < 1) throw Error(file_.string() + ": the video has no frame that can be decoded");
   }
 
   ImageSize size() const override { return size_; }
@@ -42,11 +42,11 @@ class VideoSource : public FrameSource {
     for (; next_ <= frame; ++next_)
       if (!video_.grab()) failAt(next_, frame_count_);
     cv::Mat target(size_.height, size_.width, CV_8UC3, bgr.data());
-    cv::Mat image = target;  // the decoder writes into it when size and type are as they should be
+    cv::Mat image = target;  // the decoder writes to it if size and type match
     if (!video_.retrieve(image)) failAt(frame, frame_count_);
     if (image.size() != target.size() || image.type() != target.type())
       throw Error(file_.string() + ": frame " + std::to_string(frame) + " is " + std::to_string(image.cols) +
-                  " x " + std::to_string(image.rows) + " pixels; one size throughout would be right");
+                  " x " + std::to_string(image.rows) + " pixels; expected the same size in all frames");
     if (image.data != target.data) image.copyTo(target);
   }
 
@@ -55,13 +55,12 @@ class VideoSource : public FrameSource {
     next_ = 0;
     if (!video_.open(file_.string(), cv::CAP_FFMPEG))
       throw Error(file_.string() +
-                  ": the video cannot be opened (cut off, damaged or of unknown form); a whole recording "
-                  "would be right");
+                  ": the video cannot be opened (truncated, damaged or of unknown format); expected a complete "
+                  "recording");
   }
 
-  /// How many frames there are, by the packets in the file: the count that a container declares may be
-  /// reckoned from its duration. Where packets are fewer than that, the recording is either of variable rate
-  /// or cut off.
+  /// The number of frames, counted by packets: the count that a container declares may be derived from its duration.
+  /// If there are fewer packets, the recording has a variable rate or is truncated.
   int countFrames() {
     cv::VideoCapture undecoded(file_.string(), cv::CAP_FFMPEG, {cv::CAP_PROP_FORMAT, -1});
     int packets = 0;
@@ -73,7 +72,7 @@ class VideoSource : public FrameSource {
     return packets;
   }
 
-  /// Decodes all of it, and sees whether it lasts as long as it declares.
+  /// Decodes the whole video and checks that it lasts as long as declared.
   int countByTime(int declared) {
     int count = 0, timed = 0;
     double last_s = 0;
@@ -81,8 +80,8 @@ class VideoSource : public FrameSource {
       const double time_s = video_.get(cv::CAP_PROP_POS_MSEC) / 1000;
       if (time_s > last_s) last_s = time_s, timed = count;
     }
-    // The last frames lose their times in the decoder's queue: they are taken to come at the mean interval,
-    // as is the end of the last one. Half an interval more is what a variable rate may add.
+    // The last frames lose their times in the decoder's queue, so they are assumed at the mean interval, as is the
+    // end of the last one. Half an interval more allows for a variable rate.
     const double declared_s = declared / rate_hz_, interval_s = timed > 0 ? last_s / timed : 0;
     const double reached_s = last_s + (count - timed + 0.5) * interval_s;
     if (reached_s < declared_s) failAt(count, declared);
@@ -92,7 +91,7 @@ class VideoSource : public FrameSource {
 
   [[noreturn]] void failAt(int frame, int declared) const {
     throw Error(file_.string() + ": decoding fails at frame " + std::to_string(frame) + " of the " +
-                std::to_string(declared) + " that the video declares; a whole recording would be right");
+                std::to_string(declared) + " that the video declares; expected a complete recording");
   }
 
   std::filesystem::path file_;
@@ -101,7 +100,7 @@ class VideoSource : public FrameSource {
   ImageSize size_;
   double rate_hz_ = kDefaultRateHz;
   int frame_count_ = 0;
-  int next_ = 0;  // the frame that the decoder gives next
+  int next_ = 0;  // the frame that the decoder returns next
 };
 
 class ImageSource : public FrameSource {
@@ -109,12 +108,12 @@ class ImageSource : public FrameSource {
   explicit ImageSource(const std::filesystem::path& folder) : images_(numberedImages(folder)) {
     if (images_.empty())
       throw Error(folder.string() +
-                  ": the folder holds no image; 000000.png (or .jpg) and on would be right");
+                  ": the folder contains no image; expected 000000.png (or .jpg), …");
     int expected = 0;
     for (const auto& [frame, file] : images_) {
       if (frame != expected)
         throw Error(folder.string() + ": the image of frame " + std::to_string(expected) +
-                    " is missing; numbers from 0 without a gap would be right");
+                    " is missing; expected numbers from 0 without gaps");
       ++expected;
     }
     size_ = imageSize(images_.at(0));
@@ -139,13 +138,13 @@ std::string lowerCase(std::string text) {
   return text;
 }
 
-/// The video of camera `name`. A file of exactly that name comes before one that differs in capitals.
-/// \throw Error naming two videos between which nothing decides.
+/// The video of camera `name`. An exact match takes precedence over one that differs in case. \throw Error for two
+/// equally good matches.
 std::optional<std::filesystem::path> videoOf(const std::filesystem::path& take, const std::string& name) {
   std::vector<std::filesystem::path> exact, similar;
-  std::error_code fault;
-  for (std::filesystem::directory_iterator entry(take, fault), end; !fault && entry != end;
-       entry.increment(fault)) {
+  std::error_code error;
+  for (std::filesystem::directory_iterator entry(take, error), end; !error && entry != end;
+       entry.increment(error)) {
     const std::filesystem::path& file = entry->path();
     std::error_code unreadable;  // a loop of symbolic links
     if (!isVideoName(file.filename().string()) || !entry->is_regular_file(unreadable)) continue;
@@ -160,7 +159,7 @@ std::optional<std::filesystem::path> videoOf(const std::filesystem::path& take, 
   std::sort(found.begin(), found.end());
   if (found.size() > 1)
     throw Error(found[0].string() + ": camera \"" + name + "\" has a second video, " +
-                found[1].filename().string() + "; one video per camera would be right");
+                found[1].filename().string() + "; expected one video per camera");
   return found[0];
 }
 
@@ -184,10 +183,10 @@ std::map<int, std::filesystem::path> numberedImages(const std::filesystem::path&
     int frame = 0;
     const std::from_chars_result result = std::from_chars(stem.data(), stem.data() + stem.size(), frame);
     if (result.ec != std::errc() || frame > kMaxFrame)
-      throw Error(entry.path().string() + ": the frame's number is past " + std::to_string(kMaxFrame));
+      throw Error(entry.path().string() + ": the frame number is larger than " + std::to_string(kMaxFrame));
     const auto [place, is_new] = images.emplace(frame, entry.path());
     if (!is_new)
-      throw Error(entry.path().string() + ": frame " + std::to_string(frame) + " is there twice, also as " +
+      throw Error(entry.path().string() + ": frame " + std::to_string(frame) + " exists twice, also as " +
                   place->second.filename().string());
   }
   return images;

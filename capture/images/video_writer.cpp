@@ -12,7 +12,7 @@
 namespace airclay {
 
 struct VideoWriter::Parts {
-  std::filesystem::path file, unfinished;  // the latter beside it, until finish()
+  std::filesystem::path file, unfinished;  // `unfinished` is next to `file` until finish()
   Options options;
   cv::VideoWriter video;
   cv::Mat bgr;
@@ -20,7 +20,7 @@ struct VideoWriter::Parts {
 
   ~Parts() {
     video.release();
-    std::error_code ignored;  // it may never have come to be, or bear its name by now
+    std::error_code ignored;  // it may not exist, or already be renamed
     std::filesystem::remove(unfinished, ignored);
   }
 };
@@ -30,10 +30,10 @@ VideoWriter::VideoWriter(const std::filesystem::path& file, const Options& optio
   quietOpenCv();
   const auto fits = [](int side) { return side >= 16 && side <= 16384 && side % 2 == 0; };
   if (file.extension() != ".mp4")
-    throw Error(file.string() + ": a video is written as H.264 in an mp4; a name ending .mp4 would be right");
+    throw Error(file.string() + ": videos are written as H.264 in MP4; expected a name that ends in .mp4");
   if (!fits(options.size.width) || !fits(options.size.height))
     throw Error(file.string() + ": a video of " + std::to_string(options.size.width) + " x " +
-                std::to_string(options.size.height) + " pixels; even sides from 16 to 16384 would be right");
+                std::to_string(options.size.height) + " pixels; expected even sides from 16 to 16384");
   if (!(options.rate_hz > 0 && options.rate_hz <= 1000))
     throw Error(file.string() + ": a video's rate must be above 0 and at most 1000 Hz");
   parts_->file = file;
@@ -43,8 +43,8 @@ VideoWriter::VideoWriter(const std::filesystem::path& file, const Options& optio
   const int h264 = cv::VideoWriter::fourcc('a', 'v', 'c', '1');
   if (!parts_->video.open(parts_->unfinished.string(), cv::CAP_FFMPEG, h264, options.rate_hz, size))
     throw Error(file.string() +
-                ": the video cannot be written; a folder that exists and can be written, and an "
-                "OpenCV whose FFmpeg has libx264, would be right");
+                ": the video cannot be written; expected an existing, writable folder and an OpenCV whose FFmpeg "
+                "has libx264");
   parts_->bgr.create(size, CV_8UC3);
 }
 
@@ -57,8 +57,8 @@ void VideoWriter::write(std::span<const std::uint8_t> pixels) {
   const bool is_bgr = parts_->options.format == Format::kBgr8;
   const size_t pixel_count = static_cast<size_t>(size.width) * static_cast<size_t>(size.height);
   if (pixels.size() != pixel_count * static_cast<size_t>(parts_->options.format))
-    throw std::logic_error("VideoWriter: the image is not of the video's size and form");
-  // OpenCV only reads from it, but has no constant matrix over foreign memory.
+    throw std::logic_error("VideoWriter: the image does not have the video's size and format");
+  // OpenCV only reads the data, but cv::Mat cannot wrap const memory.
   const cv::Mat image(size.height, size.width, is_bgr ? CV_8UC3 : CV_8UC4,
                       const_cast<std::uint8_t*>(pixels.data()));
   if (!is_bgr) cv::cvtColor(image, parts_->bgr, cv::COLOR_RGBA2BGR);
@@ -68,17 +68,17 @@ void VideoWriter::write(std::span<const std::uint8_t> pixels) {
 
 void VideoWriter::finish() {
   parts_->video.release();
-  // OpenCV reports no fault of a write: the file itself must tell that it is whole.
+  // OpenCV does not report write errors, so check that the file is complete.
   cv::VideoCapture check(parts_->unfinished.string(), cv::CAP_FFMPEG);
   const double found = check.isOpened() ? check.get(cv::CAP_PROP_FRAME_COUNT) : 0;
   if (found != parts_->frame_count || parts_->frame_count == 0)
-    throw Error(parts_->file.string() + ": the video could not be written whole (" +
+    throw Error(parts_->file.string() + ": the video could not be written completely (" +
                 std::to_string(found > 0 ? static_cast<int>(found) : 0) + " of " +
-                std::to_string(parts_->frame_count) + " frames); room on the disk would be right");
+                std::to_string(parts_->frame_count) + " frames); free some disk space");
   check.release();
-  std::error_code fault;
-  std::filesystem::rename(parts_->unfinished, parts_->file, fault);
-  if (fault) throw Error(parts_->file.string() + ": the video cannot be given its name: " + fault.message());
+  std::error_code error;
+  std::filesystem::rename(parts_->unfinished, parts_->file, error);
+  if (error) throw Error(parts_->file.string() + ": the video cannot be renamed: " + error.message());
 }
 
 }  // namespace airclay

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Images into an H.264 video that any player shows.
+// Writes images to an H.264 video that any player supports.
 #pragma once
 
 #include <memory>
@@ -8,29 +8,26 @@
 
 namespace airclay {
 
-/// Writes FILE.mp4: H.264, yuv420p. The file appears whole when finish() returns; without it, nothing is
-/// left.
+/// Writes FILE.mp4: H.264, yuv420p. finish() creates the file atomically; without it, no file remains.
 class VideoWriter {
  public:
-  /// Bytes of a pixel, tightly packed, rows from the top.
+  /// The pixel format, rows from the top without padding; the value is the bytes per pixel.
   enum class Format { kBgr8 = 3, kRgba8 = 4 };
 
   struct Options {
-    ImageSize size;  ///< even, 16 to 16384 a side: yuv420p halves it
+    ImageSize size;  ///< 16 to 16384 per side, even because yuv420p halves it
     double rate_hz = 30;
     Format format = Format::kRgba8;
   };
 
-  /// \throw Error naming the file when its folder cannot be written, or when it is no .mp4, or the size is
-  /// odd.
+  /// \throw Error naming the file if it is not an .mp4, its folder cannot be written, or a side is odd.
   VideoWriter(const std::filesystem::path& file, const Options& options);
   ~VideoWriter();
   VideoWriter(VideoWriter&&) noexcept;
   VideoWriter& operator=(VideoWriter&&) noexcept;
 
   void write(std::span<const std::uint8_t> pixels);
-  /// Closes the video and gives it its name. \throw Error when it does not hold every frame: the disk is
-  /// full.
+  /// Closes the video and renames it to its final name. \throw Error if frames are missing, because the disk is full.
   void finish();
 
  private:

@@ -17,7 +17,7 @@ Player::Player(Recording& recording, Pipeline& pipeline) : recording_(recording)
   if (recording_.backgroundFrames() >= recording_.frameCount())
     throw Error("the recording has " + std::to_string(recording_.frameCount()) + " frames, and the first " +
                 std::to_string(recording_.backgroundFrames()) +
-                " are taken to be empty; a smaller --background or images in background/ would be right");
+                " are assumed to be empty; use a smaller --background or images in background/");
 }
 
 void Player::readFrame(int frame) {
@@ -55,9 +55,9 @@ std::optional<PlayedFrame> Player::next(const SculptControls& controls) {
   return played;
 }
 
-void Player::hullOf(int frame) {
+void Player::computeHull(int frame) {
   if (frame < 0 || frame >= recording_.frameCount())
-    throw Error("there is no frame " + std::to_string(frame) + " in the recording; its frames are 0 to " +
+    throw Error("the recording has no frame " + std::to_string(frame) + "; expected 0 to " +
                 std::to_string(recording_.frameCount() - 1));
   learnFromBackgroundImages();
   for (int i = 0; i < recording_.backgroundFrames(); ++i) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A recording through the pipeline, frame by frame.
+// Runs a recording through the pipeline, frame by frame.
 #pragma once
 
 #include <optional>
@@ -9,26 +9,26 @@
 
 namespace airclay {
 
-/// A frame and what became of it.
+/// A frame and its result.
 struct PlayedFrame {
   int frame = 0;
   double time_s = 0;
-  bool background = false;       ///< it taught the empty workspace: the hand is kEmpty
-  double decode_ms = 0;          ///< file to pixels in memory
-  std::optional<double> skew_s;  ///< the cameras'; none without times of their own
+  bool background = false;       ///< used to learn the empty workspace; the hand is kEmpty
+  double decode_ms = 0;          ///< from file to pixels in memory
+  std::optional<double> skew_s;  ///< between the cameras; empty without per-camera timestamps
   FrameResult result;
 };
 
 /// Plays a recording: its background first, then every frame in order.
 class Player {
  public:
-  /// \throw Error when the recording has no more frames than the empty workspace takes.
+  /// \throw Error if the recording has no frames after those of the empty workspace.
   Player(Recording& recording, Pipeline& pipeline);
 
-  /// None past the last frame.
+  /// Processes the next frame; empty after the last one.
   std::optional<PlayedFrame> next(const SculptControls& controls = {});
-  /// Silhouettes and hull alone, of one frame. \throw Error when the recording has no such frame.
-  void hullOf(int frame);
+  /// Computes only silhouettes and hull of one frame. \throw Error if the recording has no such frame.
+  void computeHull(int frame);
 
  private:
   void readFrame(int frame);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The TUM trajectory form, whatever the locale.
+// Reads and writes the TUM trajectory format, independent of the locale.
 #include "capture/takes/poses_file.h"
 
 #include <charconv>
@@ -13,7 +13,7 @@
 namespace airclay {
 namespace {
 
-/// The line's eight numbers; false when it has not eight, or one of them is not finite.
+/// Reads the line's eight numbers; false if there are not exactly eight finite numbers.
 bool readNumbers(const std::string& line, std::array<double, 8>& numbers) {
   const char *at = line.data(), *const end = at + line.size();
   const auto skipBlanks = [&] {
@@ -36,7 +36,7 @@ bool readNumbers(const std::string& line, std::array<double, 8>& numbers) {
 std::vector<TimedPose> readPoses(const std::filesystem::path& file) {
   std::ifstream in(file);
   if (!in || std::filesystem::is_directory(file))
-    throw Error(file.string() + ": the poses cannot be opened; a TUM trajectory would be right");
+    throw Error(file.string() + ": the poses cannot be opened; expected a TUM trajectory");
   std::vector<TimedPose> poses;
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {
@@ -46,19 +46,19 @@ std::vector<TimedPose> readPoses(const std::filesystem::path& file) {
     std::array<double, 8> v{};
     if (!readNumbers(line, v))
       throw Error(where + "a pose must be eight finite numbers: timestamp tx ty tz qx qy qz qw");
-    const Eigen::Quaterniond turn(v[7], v[4], v[5], v[6]);
-    // Files with three decimals are off by some 1e-3; anything else is no rotation.
-    if (std::abs(turn.norm() - 1) > 1e-3)
-      throw Error(where + "the quaternion qx qy qz qw has the length " + std::to_string(turn.norm()) +
-                  "; 1 would be right");
+    const Eigen::Quaterniond rotation(v[7], v[4], v[5], v[6]);
+    // Files with three decimals are off by about 1e-3; more is not a rotation.
+    if (std::abs(rotation.norm() - 1) > 1e-3)
+      throw Error(where + "the quaternion qx qy qz qw has the length " + std::to_string(rotation.norm()) +
+                  "; expected 1");
     if (!poses.empty() && v[0] <= poses.back().time_s)
-      throw Error(where + "the timestamp is not after the one before; growing times would be right");
+      throw Error(where + "the timestamp is not after the previous one; expected increasing times");
     TimedPose pose{v[0], Pose::Identity()};
-    pose.world_from_hand.linear() = turn.normalized().toRotationMatrix();
+    pose.world_from_hand.linear() = rotation.normalized().toRotationMatrix();
     pose.world_from_hand.translation() = Vec3(v[1], v[2], v[3]);
     poses.push_back(pose);
   }
-  if (poses.empty()) throw Error(file.string() + ": it holds no pose; a TUM trajectory would be right");
+  if (poses.empty()) throw Error(file.string() + ": it contains no pose; expected a TUM trajectory");
   return poses;
 }
 
@@ -67,16 +67,16 @@ void writePoses(const std::filesystem::path& file, const std::vector<TimedPose>&
   out.imbue(std::locale::classic());
   out.setf(std::ios::fixed);
   for (const TimedPose& pose : poses) {
-    Eigen::Quaterniond turn(Mat3(pose.world_from_hand.linear()));
-    turn.normalize();
-    if (turn.w() < 0) turn.coeffs() = -turn.coeffs();
-    const Vec3 place = pose.world_from_hand.translation();
+    Eigen::Quaterniond rotation(Mat3(pose.world_from_hand.linear()));
+    rotation.normalize();
+    if (rotation.w() < 0) rotation.coeffs() = -rotation.coeffs();
+    const Vec3 position = pose.world_from_hand.translation();
     out.precision(6);
     out << pose.time_s;
     out.precision(7);  // a tenth of a micrometre
-    for (const double value : {place.x(), place.y(), place.z()}) out << ' ' << value;
+    for (const double value : {position.x(), position.y(), position.z()}) out << ' ' << value;
     out.precision(9);
-    for (const double value : {turn.x(), turn.y(), turn.z(), turn.w()}) out << ' ' << value;
+    for (const double value : {rotation.x(), rotation.y(), rotation.z(), rotation.w()}) out << ' ' << value;
     out << '\n';
   }
   writeWhole(file, out.str());

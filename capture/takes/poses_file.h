@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Hand poses in files: the TUM RGB-D benchmark's trajectory form (Sturm et al. 2012), read by evo and its
-// like.
+// Hand poses in the trajectory format of the TUM RGB-D benchmark (Sturm et al. 2012), which tools such as evo read.
 #pragma once
 
 #include <filesystem>
@@ -14,12 +13,12 @@ struct TimedPose {
   Pose world_from_hand = Pose::Identity();
 };
 
-/// Reads lines of `timestamp tx ty tz qx qy qz qw`; seconds, metres; `#` starts a comment. \throw Error
-/// naming file and line: a line of another form, a number that is not finite, a quaternion off unit length by
-/// more than 1e-3, times that don't grow, or no pose at all.
+/// Reads lines of `timestamp tx ty tz qx qy qz qw`; seconds, metres; `#` starts a comment. \throw Error naming file
+/// and line if a line is malformed, a number is not finite, a quaternion's length is off by more than 1e-3, times do
+/// not increase, or there is no pose.
 std::vector<TimedPose> readPoses(const std::filesystem::path& file);
 
-/// Writes them so, qw >= 0. The file appears whole or not at all.
+/// Writes the same format with qw >= 0, atomically.
 void writePoses(const std::filesystem::path& file, const std::vector<TimedPose>& poses);
 
 }  // namespace airclay

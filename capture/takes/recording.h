@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What can be tracked: frames of a rig's cameras with their times. A take (take.h), or synthetic cameras
-// (synthetic.h).
+// The interface of everything that can be tracked: frames of a rig's cameras with their times. Implemented by takes
+// (take.h), synthetic cameras (synthetic.h) and live cameras.
 #pragma once
 
 #include <algorithm>
@@ -29,39 +29,38 @@ class LiveSource {
 
 class Recording {
  public:
-  /// Buffers that a frame is written into, one a camera in the rig's order, tightly packed, rows from the
-  /// top.
+  /// Buffers for a frame, one per camera in the rig's order; rows from the top, without padding.
   using Buffers = std::span<const std::span<std::uint8_t>>;
 
   virtual ~Recording() = default;
 
   virtual const Rig& rig() const = 0;
-  /// Frames that every camera has.
+  /// The number of frames that every camera has.
   virtual int frameCount() const = 0;
-  /// Frames a second, on average.
+  /// Average frames per second.
   virtual double rateHz() const = 0;
-  /// When frame `frame` was taken, in seconds: the mean of its cameras' times. \pre 0 <= frame < frameCount()
+  /// The frame's capture time, seconds: the mean of its cameras' times. \pre 0 <= frame < frameCount()
   virtual double timeOf(int frame) const = 0;
-  /// When each camera took its image of frame `frame`, in the rig's order; empty where the cameras have no
-  /// times of their own. \pre as timeOf()
+  /// Each camera's capture time of the frame, seconds, in the rig's order; empty without per-camera timestamps. \pre
+  /// 0 <= frame < frameCount()
   virtual std::vector<double> cameraTimesOf(int /*frame*/) const { return {}; }
 
-  /// How many first frames show the empty workspace: 0 where background images or masks make them needless.
+  /// The number of leading frames that show the empty workspace; 0 if background images or masks replace them.
   virtual int backgroundFrames() const = 0;
-  virtual bool hasImages() const { return true; }        ///< else there are masks alone
-  virtual bool hasSilhouettes() const { return false; }  ///< masks to be used instead of segmentation
+  virtual bool hasImages() const { return true; }        ///< false: masks only
+  virtual bool hasSilhouettes() const { return false; }  ///< masks that replace segmentation
   virtual bool hasBackground() const { return false; }   ///< images of the empty workspace
 
-  /// A frame of every camera, BGR, 3 bytes a pixel. False past the last frame. Cheapest in order. \pre
-  /// hasImages()
+  /// Reads a frame of every camera, BGR, 3 bytes per pixel; false after the last frame. Fastest in ascending order.
+  /// \pre hasImages()
   virtual bool readImages(int frame, Buffers bgr) = 0;
-  /// A frame's masks, 1 byte a pixel: 255 the object, 0 not. False past the last frame. \pre
+  /// Reads a frame's masks, 1 byte per pixel: 255 object, 0 background; false after the last frame. \pre
   /// hasSilhouettes()
   virtual bool readSilhouettes(int /*frame*/, Buffers /*masks*/) { return false; }
-  /// The empty workspace, BGR. \pre hasBackground()
+  /// Reads images of the empty workspace, BGR. \pre hasBackground()
   virtual void readBackground(Buffers /*bgr*/) const {}
 
-  /// True poses, where they are known.
+  /// The true poses, if known.
   virtual const std::optional<std::vector<TimedPose>>& truth() const = 0;
 
   /// Bit k: camera k has no image of the frame that was read last.
@@ -81,7 +80,7 @@ inline std::vector<Mask> silhouettesOf(Recording& recording, int frame) {
   return masks;
 }
 
-/// The cameras' skew: the largest difference of a set's times, seconds. None of a set without times.
+/// The skew between cameras: the largest difference of a set's times, seconds. Empty for a set without times.
 inline std::optional<double> skewOf(const std::vector<double>& camera_times_s) {
   if (camera_times_s.empty()) return std::nullopt;
   const auto [first, last] = std::minmax_element(camera_times_s.begin(), camera_times_s.end());

@@ -11,23 +11,23 @@
 namespace airclay {
 namespace {
 
-constexpr std::uintmax_t kMaxFileBytes = 4 << 20;  // 32 cameras take some 20 kB
+constexpr std::uintmax_t kMaxFileBytes = 4 << 20;  // 32 cameras take about 20 kB
 
 class YamlFile {
  public:
   explicit YamlFile(const std::filesystem::path& file) : path_(file.string()) {
-    std::error_code fault;
-    const std::uintmax_t size = std::filesystem::file_size(file, fault);
-    if (fault) throw Error(path_ + ": the rig's file is missing or no readable file");
-    if (size > kMaxFileBytes) throw Error(path_ + ": it is larger than 4 MB; a rig in YAML would be right");
+    std::error_code status;
+    const std::uintmax_t size = std::filesystem::file_size(file, status);
+    if (status) throw Error(path_ + ": the rig file is missing or is not a readable file");
+    if (size > kMaxFileBytes) throw Error(path_ + ": the file is larger than 4 MB; expected a rig in YAML");
     try {
       storage_.open(path_, cv::FileStorage::READ);
     } catch (const cv::Exception& error) {
       std::string reason = error.err;
       std::replace(reason.begin(), reason.end(), '\n', ' ');
-      throw Error(path_ + ": " + reason + "; OpenCV's YAML would be right");
+      throw Error(path_ + ": " + reason + "; expected OpenCV's YAML");
     }
-    if (!storage_.isOpened()) throw Error(path_ + ": it cannot be read; OpenCV's YAML would be right");
+    if (!storage_.isOpened()) throw Error(path_ + ": it cannot be read; expected OpenCV's YAML");
   }
 
   cv::FileNode operator[](const std::string& key) const { return storage_[key]; }
@@ -35,18 +35,18 @@ class YamlFile {
   const std::string& path() const { return path_; }
 
   /// A matrix's values, row by row.
-  std::vector<double> matrix(const std::string& key, const std::string& right) const {
-    const std::string fault =
-        path_ + ": " + key + (has(key) ? " must be " : " is missing; it must be ") + right;
-    if (!has(key)) throw Error(fault);
+  std::vector<double> matrix(const std::string& key, const std::string& expected) const {
+    const std::string message =
+        path_ + ": " + key + (has(key) ? " must be " : " is missing; it must be ") + expected;
+    if (!has(key)) throw Error(message);
     cv::Mat values, doubles;
     try {
       storage_[key] >> values;
       values.convertTo(doubles, CV_64F);
     } catch (const cv::Exception&) {
-      throw Error(fault);
+      throw Error(message);
     }
-    if (doubles.empty() || doubles.channels() != 1) throw Error(fault);
+    if (doubles.empty() || doubles.channels() != 1) throw Error(message);
     return std::vector<double>(doubles.begin<double>(), doubles.end<double>());
   }
 
@@ -73,13 +73,13 @@ std::vector<std::string> cameraNames(const YamlFile& intri) {
     throw Error(intri.path() + ": names must list the cameras, 2 to " + std::to_string(kMaxCameras));
   std::vector<std::string> result;
   for (const cv::FileNode& name : names) {
-    if (!name.isString() && !name.isInt()) throw Error(intri.path() + ": names must be texts");
+    if (!name.isString() && !name.isInt()) throw Error(intri.path() + ": names must be strings");
     result.push_back(name.isString() ? name.string() : std::to_string(static_cast<int>(name)));
   }
   return result;
 }
 
-/// H_NAME or W_NAME; 0 when the file leaves it out.
+/// H_NAME or W_NAME; 0 if the file has none.
 int side(const YamlFile& intri, const std::string& key) {
   const cv::FileNode node = intri[key];
   if (node.empty()) return 0;
@@ -91,7 +91,7 @@ int side(const YamlFile& intri, const std::string& key) {
   return static_cast<int>(value);
 }
 
-/// The workspace, which EasyMocap does not know, where we wrote it beside the poses.
+/// The workspace that Airclay stores next to the poses; not part of EasyMocap's format.
 Workspace readWorkspace(const YamlFile& extri) {
   Workspace workspace;
   if (extri.has("workspace_center")) workspace.center = vector3(extri, "workspace_center");
@@ -117,11 +117,11 @@ Camera easyMocapCamera(const YamlFile& intri, const YamlFile& extri, const std::
   return cameraFromEntry(camera, std::filesystem::path(intri.path()).parent_path().string());
 }
 
-/// One part after the other: what is wrong with one does not hide the others.
-template <class Work>
-void collectError(ParsedRig& reading, Work work) {
+/// Runs `read`; an Error becomes an entry of the rig's errors, so that it does not hide others.
+template <class Read>
+void collectError(ParsedRig& reading, Read read) {
   try {
-    work();
+    read();
   } catch (const Error& error) {
     reading.errors.push_back(diagnosticFromError(error, reading.where));
   }
@@ -139,14 +139,14 @@ ParsedRig readEasyMocap(const std::filesystem::path& folder, RigUnits units) {
   return reading;
 }
 
-/// \param extri the same file, where one holds both
+/// `extri` is the same object as `intri` if one file contains both.
 ParsedRig readStereo(const YamlFile& intri, const YamlFile& extri, RigUnits units) {
   const std::filesystem::path file = intri.path(), folder = file.parent_path();
   ParsedRig reading;
   reading.where = &intri == &extri ? file.string() : folder.string();
   if (units == RigUnits::kAsWritten)
     reading.errors.push_back(
-        {Severity::kError, "", "the unit of T is not written; --units m or mm would be right"});
+        {Severity::kError, "", "the file does not state the unit of T; expected --units m or mm"});
   const double metres = units == RigUnits::kMillimetres ? 1e-3 : 1;
   for (const bool is_right : {false, true})
     collectError(reading, [&] {
@@ -174,19 +174,19 @@ ParsedRig readOpenCvRig(const std::filesystem::path& file, RigUnits units) {
   if (name == "intri.yml" || name == "extri.yml") return readEasyMocap(folder, units);
   if (name == "intrinsics.yml" && !std::filesystem::exists(folder / "extrinsics.yml"))
     throw Error(file.string() +
-                ": it says lenses, and no poses; extrinsics.yml with R and T beside it would be right");
+                ": it has lenses but no poses; expected extrinsics.yml with R and T next to it");
   if (name == "intrinsics.yml" || name == "extrinsics.yml")
     return readStereo(YamlFile(folder / "intrinsics.yml"), YamlFile(folder / "extrinsics.yml"), units);
   const YamlFile one(file);
   if (one.has("M1")) return readStereo(one, one, units);
   throw Error(one.path() +
-              (one.has("camera_matrix") ? ": it says one camera's lens, and no pose; "
+              (one.has("camera_matrix") ? ": it has one camera's lens and no pose; "
                                         : ": it has no key M1 of OpenCV's stereo calibration; ") +
-              "a rig of two cameras or more would be right");
+              "expected a rig of at least two cameras");
 }
 
 std::optional<std::filesystem::path> rigFileIn(const std::filesystem::path& folder) {
-  // Ours first; intrinsics.yml alone is a file of lenses, so the pair's other file is looked for.
+  // Our own format first. intrinsics.yml alone has only lenses, so the other file of the pair counts.
   for (const char* name :
        {"rig.toml", "camera_array.toml", "calibration.toml", "Calib.toml", "intri.yml", "extrinsics.yml"})
     if (std::filesystem::exists(folder / name)) return folder / name;
@@ -200,12 +200,12 @@ ParsedRig readAnyRig(const std::filesystem::path& rig, RigUnits units) {
     if (!found)
       throw Error(
           rig.string() +
-          ": the folder has no rig; rig.toml, camera_array.toml, calibration.toml, Calib.toml, intri.yml "
-          "with extri.yml, or intrinsics.yml with extrinsics.yml would be right");
+          ": the folder has no rig; expected rig.toml, camera_array.toml, calibration.toml, Calib.toml, "
+          "intri.yml with extri.yml, or intrinsics.yml with extrinsics.yml");
     file = *found;
   }
-  const std::string ending = file.extension().string();
-  const bool is_storage = ending == ".yml" || ending == ".yaml" || ending == ".xml" || ending == ".json";
+  const std::string extension = file.extension().string();
+  const bool is_storage = extension == ".yml" || extension == ".yaml" || extension == ".xml" || extension == ".json";
   return is_storage ? readOpenCvRig(file, units) : parseRig(file, units);
 }
 

@@ -61,7 +61,7 @@ const std::optional<std::vector<TimedPose>>& Synthetic::truth() const {
 bool Synthetic::readImages(int frame, Buffers bgr) {
   if (frame >= parts_->frame_count) return false;
   if (bgr.size() != parts_->rig.cameraCount())
-    throw std::logic_error("Synthetic: the buffers are not one a camera");
+    throw std::logic_error("Synthetic: expected one buffer per camera");
   const SyntheticOptions& options = parts_->options;
   SensorFrame sensor_frame;
   sensor_frame.seed = options.seed;
@@ -72,7 +72,7 @@ bool Synthetic::readImages(int frame, Buffers bgr) {
   for (std::size_t camera = 0; camera < bgr.size(); ++camera) {
     const std::span<const std::uint8_t> image = parts_->sensor.image(camera);
     if (bgr[camera].size() != image.size())
-      throw std::logic_error("Synthetic: a buffer is not of its camera's size");
+      throw std::logic_error("Synthetic: a buffer does not have its camera's size");
     std::memcpy(bgr[camera].data(), image.data(), image.size());
   }
   return true;

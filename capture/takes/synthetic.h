@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A recording that no camera made: the scripted hand before synthetic cameras (engine/synthetic/sensor.h),
-// with its truth. What `airclay demo` tracks, pixel by pixel like any take.
+// The scripted hand, recorded by synthetic cameras (engine/synthetic/sensor.h), with true poses. `airclay demo` tracks
+// it like any take.
 #pragma once
 
 #include <memory>
@@ -17,11 +17,11 @@ struct SyntheticOptions {
   std::vector<TriangleMesh> meshes = demoArm();  ///< hand frame
   double rate_hz = kDemoRateHz;
   std::uint32_t seed = 1;
-  double noise_sigma = 2.5;  ///< of 255
-  double drift = 0.02;       ///< share by which the brightness swings slowly, as a camera's own exposure does
+  double noise_sigma = 2.5;  ///< standard deviation on a scale of 255
+  double drift = 0.02;       ///< relative amplitude of the slow brightness changes of automatic exposure
 };
 
-/// The same options give the same bytes, in whatever order frames are read.
+/// Equal options give identical bytes, in whatever order frames are read.
 class Synthetic : public Recording {
  public:
   explicit Synthetic(Gpu& gpu, const SyntheticOptions& options = {});
@@ -31,9 +31,9 @@ class Synthetic : public Recording {
   int frameCount() const override;
   double rateHz() const override;
   double timeOf(int frame) const override;
-  int backgroundFrames() const override;  ///< those before the hand appears
+  int backgroundFrames() const override;  ///< frames before the hand appears
   bool readImages(int frame, Buffers bgr) override;
-  /// Of every frame with the hand in it.
+  /// The pose in every frame that shows the hand.
   const std::optional<std::vector<TimedPose>>& truth() const override;
 
  private:

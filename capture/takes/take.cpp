@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Takes: which files make one, and how they must agree.
+// The files of a take, and the checks that they are consistent.
 #include "capture/takes/take.h"
 
 #include <algorithm>
@@ -19,10 +19,10 @@ struct Take::Parts {
   TakeOptions options;
   path rig_file;
   Rig rig;
-  std::vector<std::unique_ptr<FrameSource>> frames;  // a camera each, or none at all
-  std::vector<std::map<int, path>> masks;            // a camera each, or none at all
+  std::vector<std::unique_ptr<FrameSource>> frames;  // one per camera, or empty
+  std::vector<std::map<int, path>> masks;            // one per camera, or empty
   bool has_background = false;
-  std::vector<std::vector<double>> times;  // of a frame its cameras', where timestamps.csv says them
+  std::vector<std::vector<double>> times;  // per frame, per camera; empty without timestamps.csv
   double seconds_per_frame = 1.0 / 30;
   int frame_count = 0;
   std::optional<std::vector<TimedPose>> truth;
@@ -59,13 +59,13 @@ void checkBuffers(const Rig& rig, Take::Buffers buffers, size_t bytes_per_pixel)
   for (size_t i = 0; fits && i < buffers.size(); ++i)
     fits = buffers[i].size() == static_cast<size_t>(rig.cameras[i].width) *
                                     static_cast<size_t>(rig.cameras[i].height) * bytes_per_pixel;
-  if (!fits) throw std::logic_error("Take: the buffers are not of the rig's sizes");
+  if (!fits) throw std::logic_error("Take: the buffers do not have the rig's sizes");
 }
 
 void binarize(std::span<std::uint8_t> mask, const path& file) {
   const std::uint8_t brightest = *std::max_element(mask.begin(), mask.end());
   if (brightest == 1)
-    throw Error(file.string() + ": the mask's brightest value is 1; 255 for the object would be right");
+    throw Error(file.string() + ": the mask's largest value is 1; expected 255 for the object");
   for (std::uint8_t& pixel : mask) pixel = pixel >= 128 ? 255 : 0;
 }
 
@@ -76,7 +76,7 @@ void Take::Parts::openRig() {
   if (!found)
     throw Error(
         folder.string() +
-        ": the take has no rig; rig.toml (or camera_array.toml, or intri.yml with extri.yml) would be right");
+        ": the take has no rig; expected rig.toml, camera_array.toml, or intri.yml with extri.yml");
   rig_file = *found;
   rig = readAnyRig(rig_file, options.units).validRig();
 }
@@ -92,8 +92,8 @@ void Take::Parts::openFrames() {
   }
   const bool may_lack_all = frames.empty() && std::filesystem::is_directory(folder / "silhouettes");
   if (!missing.empty() && !may_lack_all)
-    throw Error(folder.string() + ": camera \"" + missing + "\" has no frames; " + missing +
-                ".mp4, .mkv or .avi, or images " + missing + "/000000.png and on, would be right");
+    throw Error(folder.string() + ": camera \"" + missing + "\" has no frames; expected " + missing +
+                ".mp4, .mkv or .avi, or images " + missing + "/000000.png, …");
 }
 
 void Take::Parts::openMasks() {
@@ -102,7 +102,7 @@ void Take::Parts::openMasks() {
     const path masks_folder = folder / "silhouettes" / camera.name;
     if (!std::filesystem::is_directory(masks_folder))
       throw Error(masks_folder.string() + ": camera \"" + camera.name +
-                  "\" has no masks; a folder, empty where nothing was seen, would be right");
+                  "\" has no masks; expected a folder, which may be empty");
     masks.push_back(numberedImages(masks_folder));
   }
 }
@@ -114,14 +114,14 @@ void Take::Parts::openBackground() {
     const path file = folder / "background" / (camera.name + ".png");
     if (!std::filesystem::exists(file))
       throw Error(file.string() + ": camera \"" + camera.name +
-                  "\" has no background image, others may; one for each would be right");
+                  "\" has no background image; expected one per camera");
     if (const ImageSize size = imageSize(file); size != sizeOf(camera))
-      throw Error(file.string() + ": the image is " + text(size) + "; the rig's " + text(sizeOf(camera)) +
-                  " would be right");
+      throw Error(file.string() + ": the image is " + text(size) + "; expected the rig's " +
+                  text(sizeOf(camera)));
   }
 }
 
-/// A rig's file need not say the images' sizes: then the first image does.
+/// Takes image sizes that the rig file does not state from the first image.
 void Take::Parts::fillSizes() {
   for (size_t i = 0; i < rig.cameras.size(); ++i) {
     Camera& camera = rig.cameras[i];
@@ -142,10 +142,10 @@ void Take::Parts::checkSizes() const {
     const Camera& camera = rig.cameras[i];
     const ImageSize size = frames[i]->size();
     if (size == sizeOf(camera)) continue;
-    const bool is_turned = size == ImageSize{camera.height, camera.width};
-    throw Error(folder.string() + ": camera \"" + camera.name + "\" recorded " + text(size) + "; the rig's " +
-                text(sizeOf(camera)) + " would be right" +
-                (is_turned ? " (the recording is rotated by 90° against the calibration)" : ""));
+    const bool is_rotated = size == ImageSize{camera.height, camera.width};
+    throw Error(folder.string() + ": camera \"" + camera.name + "\" recorded " + text(size) +
+                "; expected the rig's " + text(sizeOf(camera)) +
+                (is_rotated ? " (the recording is rotated by 90° against the calibration)" : ""));
   }
 }
 
@@ -154,7 +154,7 @@ void Take::Parts::countFrames() {
     for (const std::map<int, path>& of_camera : masks)
       if (!of_camera.empty()) frame_count = std::max(frame_count, of_camera.rbegin()->first + 1);
     if (frame_count == 0)
-      throw Error(folder.string() + ": the take is empty; frames or masks would be right");
+      throw Error(folder.string() + ": the take is empty; expected frames or masks");
     return;
   }
   const auto shorter = [](const auto& a, const auto& b) { return a->frameCount() < b->frameCount(); };
@@ -164,7 +164,7 @@ void Take::Parts::countFrames() {
   const auto nameOf = [&](auto place) {
     return rig.cameras[static_cast<size_t>(place - frames.begin())].name;
   };
-  note = folder.string() + ": the recordings are of unequal length, stopping at the shortest: camera \"" +
+  note = folder.string() + ": the recordings have unequal length; stopping at the shortest: camera \"" +
          nameOf(shortest) + "\" has " + std::to_string(frame_count) + " frames, \"" + nameOf(longest) +
          "\" " + std::to_string((*longest)->frameCount());
 }
@@ -188,7 +188,7 @@ void Take::Parts::openTimes() {
 Take::Take(const path& folder, const TakeOptions& options) : parts_(std::make_unique<Parts>()) {
   if (!std::filesystem::is_directory(folder))
     throw Error(folder.string() +
-                ": there is no such take; a folder with rig.toml and recordings would be right");
+                ": there is no such take; expected a folder with rig.toml and recordings");
   parts_->folder = folder;
   parts_->options = options;
   parts_->openRig();
@@ -198,7 +198,7 @@ Take::Take(const path& folder, const TakeOptions& options) : parts_(std::make_un
   parts_->checkSizes();
   parts_->openBackground();
   parts_->countFrames();
-  parts_->frame_count = std::min(parts_->frame_count, options.most_frames);
+  parts_->frame_count = std::min(parts_->frame_count, options.max_frames);
   parts_->openTimes();
   const path truth = folder / "truth.tum";
   if (std::filesystem::exists(truth)) parts_->truth = readPoses(truth);
@@ -243,7 +243,7 @@ int Take::backgroundFrames() const {
 bool Take::readImages(int frame, Buffers bgr) {
   checkBuffers(parts_->rig, bgr, 3);
   if (frame < 0 || frame >= parts_->frame_count) return false;
-  // One camera after another: FFmpeg's own threads fill the cores already.
+  // One camera after another: FFmpeg's own threads already use all cores.
   for (size_t i = 0; i < parts_->frames.size(); ++i) parts_->frames[i]->read(frame, bgr[i]);
   return true;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A take: one recording of a rig, a folder. Its calibration, frames, masks, times and truth, checked when it
+// A take: a folder with one recording of a rig. Calibration, frames, masks, times and true poses are checked when it
 // is opened.
 #pragma once
 
@@ -12,56 +12,55 @@ namespace airclay {
 
 struct TakeOptions {
   RigUnits units = RigUnits::kAsWritten;
-  int background_frames = 10;  ///< how many first frames show the empty workspace, where no background/ does
-  /// It may have been cut off while it was written: what is whole is used, and its frames are no more than
-  /// `most_frames`.
+  int background_frames = 10;  ///< leading frames that show the empty workspace, if there is no background/
+  /// Accepts a recording that was interrupted while being written, and uses its complete frames.
   bool unfinished = false;
-  int most_frames = std::numeric_limits<int>::max();
+  int max_frames = std::numeric_limits<int>::max();  ///< later frames are ignored
 };
 
-/// Opens a take and reads its frames into the caller's memory: one buffer a camera, in the rig's order.
+/// Opens a take and reads its frames into the caller's buffers, one per camera in the rig's order.
 ///
 ///     Take take("takes/monday");
 ///     for (int frame = 0; take.readImages(frame, buffers); ++frame) { … }
 ///
-/// Every fault, now or while reading, is an Error that names the file and, where it helps, the frame.
+/// Every error, on opening or reading, names the file and, if useful, the frame.
 class Take : public Recording {
  public:
-  /// \throw Error: no such folder, no rig, a camera without its video or images, another size than the rig
-  /// says, no frame at all, timestamps or truth that cannot be read.
+  /// \throw Error if there is no such folder, no rig or no frames; a camera has no video or images, or their size
+  /// differs from the rig's; or timestamps or true poses cannot be read.
   explicit Take(const std::filesystem::path& folder, const TakeOptions& options = {});
   ~Take() override;
   Take(Take&&) noexcept;
   Take& operator=(Take&&) noexcept;
 
   const Rig& rig() const override;
-  /// Frames that every camera has.
+  /// The number of frames that every camera has.
   int frameCount() const override;
-  /// Frames a second, on average.
+  /// Average frames per second.
   double rateHz() const override;
-  /// When frame `frame` was taken, in seconds: the mean of its cameras' times. \pre 0 <= frame < frameCount()
+  /// The frame's capture time, seconds: the mean of its cameras' times. \pre 0 <= frame < frameCount()
   double timeOf(int frame) const override;
-  /// As timestamps.csv says them.
+  /// From timestamps.csv.
   std::vector<double> cameraTimesOf(int frame) const override;
 
-  bool hasImages() const override;       ///< videos or image folders; else there are masks alone
-  bool hasSilhouettes() const override;  ///< masks to be used as they are, instead of segmentation
+  bool hasImages() const override;       ///< videos or image folders; false: masks only
+  bool hasSilhouettes() const override;  ///< masks that replace segmentation
   bool hasBackground() const override;   ///< images of the empty workspace
-  /// How many first frames show the empty workspace: 0 where background images or masks make them needless.
+  /// The number of leading frames that show the empty workspace; 0 if background images or masks replace them.
   int backgroundFrames() const override;
 
-  /// Decodes a frame of every camera, BGR, 3 bytes a pixel. False past the last frame. In order this costs
-  /// one decoded image a camera; any other order decodes a video up to the frame. \pre hasImages()
+  /// Decodes a frame of every camera, BGR, 3 bytes per pixel; false after the last frame. In ascending order this
+  /// decodes one image per camera; otherwise it decodes the video up to the frame. \pre hasImages()
   bool readImages(int frame, Buffers bgr) override;
-  /// A frame's masks, 1 byte a pixel: 255 the object, 0 not. A missing file is an empty mask. \pre
+  /// Reads a frame's masks, 1 byte per pixel: 255 object, 0 background. A missing file is an empty mask. \pre
   /// hasSilhouettes()
   bool readSilhouettes(int frame, Buffers masks) override;
-  /// The empty workspace, BGR. \pre hasBackground()
+  /// Reads images of the empty workspace, BGR. \pre hasBackground()
   void readBackground(Buffers bgr) const override;
 
-  /// True poses, where the take has truth.tum.
+  /// The true poses, if the take has truth.tum.
   const std::optional<std::vector<TimedPose>>& truth() const override;
-  /// What is unusual but no fault, in one line to be shown: videos of unequal length.
+  /// A one-line warning for the user, such as videos of unequal length.
   const std::optional<std::string>& note() const;
 
  private:

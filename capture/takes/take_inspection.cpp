@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Opens a take camera by camera, so that what is wrong with one does not hide the others.
+// Opens a take camera by camera, so that an error in one does not hide errors in others.
 #include "capture/takes/take_inspection.h"
 
 #include <algorithm>
@@ -14,12 +14,12 @@ namespace airclay {
 namespace {
 
 using std::filesystem::path;
-using RgbaImage = std::vector<std::uint8_t>;  // BGR
+using BgrImage = std::vector<std::uint8_t>;
 
 // Fewer pixels are noise, or a fingertip at the image's border.
-constexpr std::size_t kLeastSilhouette = 100;
-// Of a long recording, no more is decoded.
-constexpr int kMostFrames = 600;
+constexpr std::size_t kMinSilhouettePixels = 100;
+// At most this many frames of a long recording are decoded.
+constexpr int kMaxFrames = 600;
 
 ImageSize sizeOf(const Camera& camera) {
   return {camera.width, camera.height};
@@ -33,13 +33,13 @@ std::size_t countSet(const Mask& mask) {
   return mask.pixels.size() - std::size_t(std::count(mask.pixels.begin(), mask.pixels.end(), 0));
 }
 
-/// Silhouettes that say something: of two cameras or more.
-bool isTelling(const MaskSet& masks) {
+/// Whether at least two cameras have a silhouette.
+bool isUsable(const MaskSet& masks) {
   return std::count_if(masks.begin(), masks.end(),
-                       [](const Mask& mask) { return countSet(mask) >= kLeastSilhouette; }) >= 2;
+                       [](const Mask& mask) { return countSet(mask) >= kMinSilhouettePixels; }) >= 2;
 }
 
-/// `count` of `all`, evenly spread, ascending.
+/// Selects `count` elements of `all`, evenly spread, in order.
 std::vector<int> spread(const std::vector<int>& all, int count) {
   if (static_cast<int>(all.size()) <= count) return all;
   std::vector<int> chosen;
@@ -48,9 +48,9 @@ std::vector<int> spread(const std::vector<int>& all, int count) {
   return chosen;
 }
 
-class Look {
+class Inspector {
  public:
-  Look(const path& folder, Rig& rig, const TakeInspectionOptions& options)
+  Inspector(const path& folder, Rig& rig, const TakeInspectionOptions& options)
       : folder_(folder), rig_(rig), options_(options) {}
 
   TakeInspection all() {
@@ -89,11 +89,11 @@ class Look {
     if (!has_any && std::filesystem::is_directory(folder_ / "silhouettes")) return;
     for (std::size_t i = 0; i < rig_.cameras.size(); ++i) {
       const std::string& name = rig_.cameras[i].name;
-      const bool is_said = std::any_of(result_.findings.begin(), result_.findings.end(),
+      const bool is_reported = std::any_of(result_.findings.begin(), result_.findings.end(),
                                        [&](const RigDiagnostic& finding) { return finding.camera == name; });
-      if (!frames_[i] && !is_said)
-        add(name, "the take has no frames of it; " + name + ".mp4, .mkv or .avi, or images " + name +
-                      "/000000.png and on, would be right");
+      if (!frames_[i] && !is_reported)
+        add(name, "the take has no frames of it; expected " + name + ".mp4, .mkv or .avi, or images " + name +
+                      "/000000.png, …");
     }
   }
 
@@ -105,8 +105,8 @@ class Look {
       if (std::filesystem::is_directory(of_camera))
         masks_.back() = numberedImages(of_camera);
       else
-        add(camera.name, "the take has no masks of it; a folder silhouettes/" + camera.name +
-                             ", empty where nothing was seen, would be right");
+        add(camera.name, "the take has no masks of it; expected a folder silhouettes/" + camera.name +
+                             ", which may be empty");
     }
   }
 
@@ -128,8 +128,8 @@ class Look {
     }
     if (size != sizeOf(camera))
       add(camera.name, "it recorded " + std::to_string(size.width) + " x " + std::to_string(size.height) +
-                           " pixels; the rig's " + std::to_string(camera.width) + " x " +
-                           std::to_string(camera.height) + " would be right");
+                           " pixels; expected the rig's " + std::to_string(camera.width) + " x " +
+                           std::to_string(camera.height));
   }
 
   void takeMasks() {
@@ -140,7 +140,7 @@ class Look {
       MaskSet set;
       for (std::size_t i = 0; i < rig_.cameras.size(); ++i) {
         const Camera& camera = rig_.cameras[i];
-        Mask mask{camera.width, camera.height, RgbaImage(bytesOf(camera) / 3)};
+        Mask mask{camera.width, camera.height, BgrImage(bytesOf(camera) / 3)};
         const auto found = masks_[i].find(number);
         if (found != masks_[i].end()) {
           readImage(found->second, sizeOf(camera), PixelFormat::kGrey8, mask.pixels);
@@ -148,26 +148,26 @@ class Look {
         }
         set.push_back(std::move(mask));
       }
-      keep(std::move(set));
+      addInstant(std::move(set));
     }
   }
 
-  void keep(MaskSet set) {
-    if (static_cast<int>(result_.instants.size()) < options_.instants && isTelling(set))
+  void addInstant(MaskSet set) {
+    if (static_cast<int>(result_.instants.size()) < options_.instants && isUsable(set))
       result_.instants.push_back(std::move(set));
   }
 
-  /// Of each camera the background's model, then the chosen frames, decoded in order.
+  /// For each camera, learns the background and then segments the chosen frames, decoded in order.
   void segment() {
-    int count = kMostFrames;
+    int count = kMaxFrames;
     for (const auto& source : frames_) count = std::min(count, source->frameCount());
     const bool has_background = std::filesystem::is_directory(folder_ / "background");
     const int empty = has_background ? 0 : options_.background_frames;
-    result_.trust = has_background ? SilhouetteSource::kKnown : SilhouetteSource::kAssumed;
+    result_.source = has_background ? SilhouetteSource::kKnown : SilhouetteSource::kAssumed;
     if (count <= empty)
       throw Error(folder_.string() + ": it has " + std::to_string(count) + " frames, and the first " +
                   std::to_string(empty) +
-                  " are taken to be empty; a smaller --background or images in background/ would be right");
+                  " are assumed to be empty; use a smaller --background or images in background/");
     std::vector<int> numbers;
     for (int frame = empty; frame < count; ++frame) numbers.push_back(frame);
     const std::vector<int> chosen = spread(numbers, 2 * options_.instants);
@@ -175,18 +175,18 @@ class Look {
     for (std::size_t i = 0; i < rig_.cameras.size(); ++i) {
       const std::vector<BackgroundPixel> background = backgroundOf(i, empty);
       for (std::size_t k = 0; k < chosen.size(); ++k) {
-        RgbaImage image(bytesOf(rig_.cameras[i]));
+        BgrImage image(bytesOf(rig_.cameras[i]));
         frames_[i]->read(chosen[k], image);
         sets[k].push_back(silhouette(rig_.cameras[i], image, background));
         reportProgress(double(i * chosen.size() + k + 1) / double(chosen.size() * rig_.cameras.size()));
       }
     }
-    for (MaskSet& set : sets) keep(std::move(set));
+    for (MaskSet& set : sets) addInstant(std::move(set));
   }
 
   std::vector<BackgroundPixel> backgroundOf(std::size_t index, int empty) {
     const Camera& camera = rig_.cameras[index];
-    std::vector<RgbaImage> shots(std::size_t(std::max(empty, 1)), RgbaImage(bytesOf(camera)));
+    std::vector<BgrImage> shots(std::size_t(std::max(empty, 1)), BgrImage(bytesOf(camera)));
     if (empty == 0)
       readImage(folder_ / "background" / (camera.name + ".png"), sizeOf(camera), PixelFormat::kBgr8,
                 shots[0]);
@@ -194,7 +194,7 @@ class Look {
     return learnBackgroundReference(shots);
   }
 
-  static Mask silhouette(const Camera& camera, const RgbaImage& image,
+  static Mask silhouette(const Camera& camera, const BgrImage& image,
                          const std::vector<BackgroundPixel>& background) {
     std::vector<double> scores(background.size());
     for (std::size_t i = 0; i < scores.size(); ++i)
@@ -206,8 +206,8 @@ class Look {
   const path folder_;
   Rig& rig_;
   const TakeInspectionOptions options_;
-  std::vector<std::unique_ptr<FrameSource>> frames_;  // a camera each; null where there are none
-  std::vector<std::map<int, path>> masks_;            // a camera each, or none at all
+  std::vector<std::unique_ptr<FrameSource>> frames_;  // one per camera; null if it has none
+  std::vector<std::map<int, path>> masks_;            // one per camera, or empty
   TakeInspection result_;
 };
 
@@ -215,8 +215,8 @@ class Look {
 
 TakeInspection inspectTake(const path& folder, Rig& rig, const TakeInspectionOptions& options) {
   if (!std::filesystem::is_directory(folder))
-    throw Error(folder.string() + ": there is no such take; a folder with recordings would be right");
-  return Look(folder, rig, options).all();
+    throw Error(folder.string() + ": there is no such take; expected a folder with recordings");
+  return Inspector(folder, rig, options).all();
 }
 
 }  // namespace airclay

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a recording says of a rig: which of its cameras were recorded, in which size, and what they saw.
+// Checks a recording against a rig: which cameras were recorded, their image sizes, and their silhouettes.
 #pragma once
 
 #include "engine/hull/silhouette_agreement.h"
@@ -7,20 +7,20 @@
 namespace airclay {
 
 struct TakeInspectionOptions {
-  int background_frames = 10;  ///< as TakeOptions'
-  int instants = 4;            ///< how many frames' silhouettes are wanted
+  int background_frames = 10;  ///< as in TakeOptions
+  int instants = 4;            ///< number of frames to extract silhouettes from
 };
 
 struct TakeInspection {
-  std::vector<RigDiagnostic> findings;  ///< missing recordings, other sizes, masks that cannot be read
-  SilhouetteSource trust = SilhouetteSource::kKnown;
-  std::vector<MaskSet> instants;  ///< silhouettes in the rig's order, spread over the recording; none when
-                                  ///< something is missing
+  std::vector<RigDiagnostic> findings;  ///< missing recordings, wrong sizes, unreadable masks
+  SilhouetteSource source = SilhouetteSource::kKnown;
+  /// Silhouettes in the rig's order, spread over the recording; empty if there are findings.
+  std::vector<MaskSet> instants;
 };
 
-/// Looks for the rig's cameras in a take's folder, gives those without a size that of their images, and
-/// takes silhouettes: the folder's masks, else by segmentation (silhouette.h's reference, no device is
-/// needed). \throw Error when there is no such folder.
+/// Finds the rig's cameras in a take's folder, fills in missing image sizes, and extracts silhouettes: the folder's
+/// masks, otherwise by segmentation (the CPU reference of silhouette.h; no device is needed). \throw Error if there
+/// is no such folder.
 TakeInspection inspectTake(const std::filesystem::path& folder, Rig& rig,
                            const TakeInspectionOptions& options = {});
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// HuffYUV in Matroska through OpenCV's FFmpeg backend: of the codecs it writes that give every pixel back,
-// the fastest, and a file that was cut off can be read up to its last whole frame.
+// HuffYUV in Matroska through OpenCV's FFmpeg backend: the fastest lossless codec that it writes, and a truncated
+// file can be read up to its last complete frame.
 #include "capture/takes/take_writer.h"
 
 #include <condition_variable>
@@ -24,23 +24,23 @@ namespace {
 using std::filesystem::path;
 using Bytes = std::vector<std::uint8_t>;
 
-constexpr const char* kVideoEnding = ".mkv";
-// So many sets, and the files must have grown: OpenCV reports no fault of a write.
+constexpr const char* kVideoExtension = ".mkv";
+// The files must grow within this many sets, because OpenCV does not report write errors.
 constexpr int kGrowthSets = 30;
 
-/// What cannot be told is no fault.
-std::uintmax_t roomOnDisk(const std::filesystem::path& folder) {
-  std::error_code fault;
-  const std::filesystem::space_info space = std::filesystem::space(folder, fault);
-  return fault ? UINTMAX_MAX : space.available;
+/// Free disk space; unlimited if it is unknown.
+std::uintmax_t freeBytesOnDisk(const std::filesystem::path& folder) {
+  std::error_code error;
+  const std::filesystem::space_info space = std::filesystem::space(folder, error);
+  return error ? UINTMAX_MAX : space.available;
 }
 
 ImageSize sizeOf(const Camera& camera) {
   return {camera.width, camera.height};
 }
 
-/// OpenCV's writer cuts odd sides.
-bool goesIntoVideo(const Camera& camera) {
+/// OpenCV's writer crops odd sides.
+bool fitsVideo(const Camera& camera) {
   return camera.width % 2 == 0 && camera.height % 2 == 0;
 }
 
@@ -59,21 +59,20 @@ std::string numbered(int frame) {
   return std::string(digits.size() < 6 ? 6 - digits.size() : 0, '0') + digits + ".png";
 }
 
-std::size_t bytesOf(const TakenSet& set) {
+std::size_t bytesOf(const RecordedSet& set) {
   std::size_t bytes = 0;
   for (const Bytes& one : set.bytes) bytes += one.size();
   return bytes;
 }
 
-void makeEmptyFolder(const path& folder) {
-  std::error_code fault;
-  std::filesystem::create_directories(folder, fault);
-  if (fault || !std::filesystem::is_directory(folder, fault))
-    throw Error(folder.string() + ": the folder for the recording cannot be made" +
-                (fault ? ": " + fault.message() : ""));
-  if (!std::filesystem::is_empty(folder, fault) || fault)
-    throw Error(folder.string() +
-                ": there is something in the folder already; a new one for the recording would be right");
+void createEmptyFolder(const path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error || !std::filesystem::is_directory(folder, error))
+    throw Error(folder.string() + ": the folder for the recording cannot be created" +
+                (error ? ": " + error.message() : ""));
+  if (!std::filesystem::is_empty(folder, error) || error)
+    throw Error(folder.string() + ": the folder is not empty; use a new folder for the recording");
 }
 
 }  // namespace
@@ -82,60 +81,60 @@ struct TakeWriter::Parts {
   path folder;
   Rig rig;
   Options options;
-  std::vector<cv::VideoWriter> videos;  ///< a camera each; closed where its images are files
+  std::vector<cv::VideoWriter> videos;  ///< one per camera; closed if its images are files
   std::ofstream timestamps;
   std::vector<double> last_times_s;
-  double later_s = 0;  ///< what is added to times that ran back
+  double time_shift_s = 0;  ///< added to the times after they ran backwards
 
   mutable std::mutex mutex;
   std::condition_variable changed;
-  std::deque<TakenSet> queue;
+  std::deque<RecordedSet> queue;
   std::size_t queued_bytes = 0;
-  bool ending = false;
+  bool stopping = false;
   Status status;
-  std::uint64_t bytes_then = 0;  ///< of all files, some sets ago
+  std::uint64_t previous_bytes = 0;  ///< of all files, kGrowthSets sets ago
   std::thread thread;
 
   bool masks() const { return options.content == Content::kMasks; }
   void open();
   void run();
-  void writeSet(const TakenSet& set, int frame);
+  void writeSet(const RecordedSet& set, int frame);
   void writeImage(std::size_t camera, const Bytes& bytes, int frame);
   void writeTimes(const std::vector<double>& times_s);
   std::uint64_t bytesOfFiles() const;
-  void checkRoom(int frame);
+  void checkFreeSpace(int frame);
   void end();
 };
 
 void TakeWriter::Parts::open() {
   quietOpenCv();
-  makeEmptyFolder(folder);
+  createEmptyFolder(folder);
   if (options.writes_rig) writeRig(folder / "rig.toml", rig, RotationFormat::kMatrices);
   if (options.content == Content::kNothing) return;
   videos.resize(rig.cameras.size());
   for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
     const Camera& camera = rig.cameras[c];
-    if (masks() || !goesIntoVideo(camera)) {
+    if (masks() || !fitsVideo(camera)) {
       std::filesystem::create_directories(masks() ? folder / "silhouettes" / camera.name
                                                   : folder / camera.name);
       continue;
     }
-    const path file = folder / (camera.name + kVideoEnding);
+    const path file = folder / (camera.name + kVideoExtension);
     const int huffyuv = cv::VideoWriter::fourcc('H', 'F', 'Y', 'U');
     if (!videos[c].open(file.string(), cv::CAP_FFMPEG, huffyuv, options.rate_hz,
                         {camera.width, camera.height}))
       throw Error(file.string() +
-                  ": the video cannot be written; an OpenCV whose FFmpeg has HuffYUV would be right");
+                  ": the video cannot be written; expected an OpenCV whose FFmpeg has HuffYUV");
   }
 }
 
 void TakeWriter::Parts::run() {
   for (;;) {
-    TakenSet set;
+    RecordedSet set;
     int frame = 0;
     {
       std::unique_lock lock(mutex);
-      changed.wait(lock, [&] { return ending || !queue.empty(); });
+      changed.wait(lock, [&] { return stopping || !queue.empty(); });
       if (queue.empty()) return;
       set = std::move(queue.front());
       queue.pop_front();
@@ -148,21 +147,21 @@ void TakeWriter::Parts::run() {
       fault = error.what();
     }
     const std::lock_guard lock(mutex);
-    queued_bytes -= bytesOf(set);  // only now: what is being written still needs its memory
+    queued_bytes -= bytesOf(set);  // only now: the set needs its memory while it is written
     if (!fault.empty()) status.fault = fault;
     if (status.fault.empty()) ++status.sets;
     changed.notify_all();
   }
 }
 
-void TakeWriter::Parts::writeSet(const TakenSet& set, int frame) {
-  checkRoom(frame);
-  // All cameras at once: one core codes four of 640 x 480 at 30 Hz with little to spare (3 ms an image).
+void TakeWriter::Parts::writeSet(const RecordedSet& set, int frame) {
+  checkFreeSpace(frame);
+  // All cameras in parallel: one core barely encodes four of 640 x 480 at 30 Hz (3 ms per image).
   std::vector<std::future<void>> writing;
   for (std::size_t c = 0; c < set.bytes.size(); ++c)
     writing.push_back(std::async(std::launch::async, [&, c] { writeImage(c, set.bytes[c], frame); }));
   for (std::future<void>& one : writing) one.get();
-  // After the images: a row tells that they are there.
+  // After the images: a row implies that they are written.
   if (!set.camera_times_s.empty()) writeTimes(set.camera_times_s);
 }
 
@@ -171,7 +170,7 @@ void TakeWriter::Parts::writeImage(std::size_t camera, const Bytes& bytes, int f
   if (masks()) {
     writePng(folder / "silhouettes" / of.name / numbered(frame), sizeOf(of), rgbaOf(bytes, 1));
   } else if (videos[camera].isOpened()) {
-    // OpenCV only reads from it, but has no constant matrix over foreign memory.
+    // OpenCV only reads the data, but cv::Mat cannot wrap const memory.
     videos[camera].write(cv::Mat(of.height, of.width, CV_8UC3, const_cast<std::uint8_t*>(bytes.data())));
   } else {
     writePng(folder / of.name / numbered(frame), sizeOf(of), rgbaOf(bytes, 3));
@@ -184,10 +183,10 @@ void TakeWriter::Parts::writeTimes(const std::vector<double>& times_s) {
     timestamps << "cam_id,frame_time\n";
   }
   for (std::size_t c = 0; c < times_s.size() && !last_times_s.empty(); ++c)
-    if (times_s[c] + later_s <= last_times_s[c]) later_s = last_times_s[c] - times_s[c] + 1 / options.rate_hz;
+    if (times_s[c] + time_shift_s <= last_times_s[c]) time_shift_s = last_times_s[c] - times_s[c] + 1 / options.rate_hz;
   last_times_s.clear();
   for (std::size_t c = 0; c < times_s.size(); ++c) {
-    last_times_s.push_back(times_s[c] + later_s);
+    last_times_s.push_back(times_s[c] + time_shift_s);
     timestamps << rig.cameras[c].name << ',' << exactNumber(last_times_s.back()) << '\n';
   }
   if (!timestamps.flush())
@@ -203,16 +202,16 @@ std::uint64_t TakeWriter::Parts::bytesOfFiles() const {
   return bytes;
 }
 
-void TakeWriter::Parts::checkRoom(int frame) {
-  if (options.room(folder) < kLeastRoomBytes)
+void TakeWriter::Parts::checkFreeSpace(int frame) {
+  if (options.free_bytes(folder) < kMinFreeBytes)
     throw Error(folder.string() + ": the disk is full: the recording ends with set " + std::to_string(frame) +
-                ", and what is there can be replayed");
+                " and can be replayed up to it");
   if (frame == 0 || frame % kGrowthSets != 0) return;
   const std::uint64_t bytes = bytesOfFiles();
-  if (bytes <= bytes_then)
+  if (bytes <= previous_bytes)
     throw Error(folder.string() + ": nothing more can be written: the recording ends before set " +
-                std::to_string(frame) + "; room on the disk would be right");
-  bytes_then = bytes;
+                std::to_string(frame) + "; free some disk space");
+  previous_bytes = bytes;
   const std::lock_guard lock(mutex);
   status.bytes = bytes;
 }
@@ -220,7 +219,7 @@ void TakeWriter::Parts::checkRoom(int frame) {
 void TakeWriter::Parts::end() {
   {
     const std::lock_guard lock(mutex);
-    ending = true;
+    stopping = true;
   }
   changed.notify_all();
   if (thread.joinable()) thread.join();
@@ -233,7 +232,7 @@ TakeWriter::TakeWriter(const path& folder, const Rig& rig, const Options& option
   parts_->folder = folder;
   parts_->rig = rig;
   parts_->options = options;
-  if (!options.room) parts_->options.room = roomOnDisk;
+  if (!options.free_bytes) parts_->options.free_bytes = freeBytesOnDisk;
   parts_->open();
   parts_->thread = std::thread([parts = parts_.get()] { parts->run(); });
 }
@@ -250,7 +249,7 @@ void TakeWriter::writeBackground(const std::vector<Bytes>& bgr) {
   }
 }
 
-void TakeWriter::write(TakenSet set) {
+void TakeWriter::write(RecordedSet set) {
   std::unique_lock lock(parts_->mutex);
   const std::size_t bytes = bytesOf(set);
   const auto hasRoom = [&] { return parts_->queue.empty() || parts_->queued_bytes + bytes <= kQueueBytes; };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Reads timestamps.csv. Other columns may stand beside the two that count.
+// Reads timestamps.csv. Columns other than cam_id and frame_time are ignored.
 #include "capture/takes/timestamps.h"
 
 #include <algorithm>
@@ -34,7 +34,7 @@ std::optional<Number> parsed(const std::string& cell) {
   return result.ec == std::errc() && result.ptr == end ? std::optional(value) : std::nullopt;
 }
 
-/// The number that a name ends in, without leading zeros; "" when it ends in none.
+/// The number at the end of a name, without leading zeros; "" if there is none.
 std::string trailingNumber(const std::string& name) {
   const std::string digits =
       name.substr(name.find_last_not_of("0123456789") + 1);  // npos + 1 is 0: all of it
@@ -42,8 +42,8 @@ std::string trailingNumber(const std::string& name) {
   return significant == std::string::npos ? digits.substr(0, 1) : digits.substr(significant);
 }
 
-/// Every text that a row may call a camera by, with the camera's place in the rig. Two names that end in the
-/// same number leave it without a meaning.
+/// All valid cam_id values, with the camera's index in the rig. A number at the end of two names is ambiguous and
+/// omitted.
 std::map<std::string, size_t> cameraIds(const std::vector<std::string>& names) {
   std::map<std::string, std::vector<size_t>> owners;
   for (size_t i = 0; i < names.size(); ++i)
@@ -53,7 +53,7 @@ std::map<std::string, size_t> cameraIds(const std::vector<std::string>& names) {
   std::map<std::string, size_t> ids;
   for (const auto& [number, places] : owners)
     if (places.size() == 1) ids[number] = places.front();
-  for (size_t i = 0; i < names.size(); ++i) ids[names[i]] = i;  // a name counts before another's number
+  for (size_t i = 0; i < names.size(); ++i) ids[names[i]] = i;  // a name takes precedence over another's number
   return ids;
 }
 
@@ -90,17 +90,17 @@ std::vector<std::vector<double>> readFrameTimes(const std::filesystem::path& fil
     const std::string where = file.string() + ":" + std::to_string(number) + ": ";
     const std::vector<std::string> cells = splitRow(line);
     if (cells.size() != columns.count)
-      throw Error(where + "the row has " + std::to_string(cells.size()) + " cells; " +
-                  std::to_string(columns.count) + ", as in the header, would be right");
+      throw Error(where + "the row has " + std::to_string(cells.size()) + " cells; expected " +
+                  std::to_string(columns.count) + ", as in the header");
     const auto id = ids.find(cells[columns.camera]);
     if (id == ids.end())
       throw Error(where + "cam_id \"" + cells[columns.camera] +
-                  "\" is no camera of the rig; its name or number would be right");
+                  "\" is not a camera of the rig; expected a camera's name or number");
     const std::optional<double> time = parsed<double>(cells[columns.time]);
     if (!time || !std::isfinite(*time)) throw Error(where + "frame_time must be a finite number of seconds");
     std::vector<double>& of_camera = times[id->second];
     if (!of_camera.empty() && *time <= of_camera.back())
-      throw Error(where + "frame_time is not after the camera's row before; growing times would be right");
+      throw Error(where + "frame_time is not after the camera's previous row; expected increasing times");
     of_camera.push_back(*time);
   }
 
@@ -109,8 +109,8 @@ std::vector<std::vector<double>> readFrameTimes(const std::filesystem::path& fil
     if (times[i].size() >= frames) continue;
     if (!unfinished)
       throw Error(file.string() + ": camera \"" + camera_names[i] + "\" has " +
-                  std::to_string(times[i].size()) + " rows; one for each of the " +
-                  std::to_string(frame_count) + " frames would be right");
+                  std::to_string(times[i].size()) + " rows; expected one for each of the " +
+                  std::to_string(frame_count) + " frames");
     frames = times[i].size();
   }
   std::vector<std::vector<double>> of_frames(frames);

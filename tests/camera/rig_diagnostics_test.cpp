@@ -320,12 +320,12 @@ TEST(TakeInspection, FindsSilhouettesSizesAndMissingFiles) {
   EXPECT_EQ(rig.cameras[1].width, 320);
   ASSERT_EQ(take.instants.size(), 1u);
   EXPECT_EQ(take.instants[0][2].pixels, scene.instants[0][2].pixels);
-  EXPECT_EQ(take.trust, SilhouetteSource::kKnown);
+  EXPECT_EQ(take.source, SilhouetteSource::kKnown);
 
   rig.cameras[0].width = 640;
   rig.cameras[3].name = "other";
   const std::string findings = shown(inspectTake(folder.path(), rig).findings);
-  EXPECT_NE(findings.find("camera \"cam0\": it recorded 320 x 240 pixels; the rig's 640 x 240"),
+  EXPECT_NE(findings.find("camera \"cam0\": it recorded 320 x 240 pixels; expected the rig's 640 x 240"),
             std::string::npos)
       << findings;
   EXPECT_NE(findings.find("silhouettes/other"), std::string::npos) << findings;
@@ -363,7 +363,7 @@ TEST(TakeInspection, SegmentsImagesWithAKnownBackground) {
   const std::string findings = shown(inspectTake(folder.path(), rig).findings);
   EXPECT_NE(findings.find("camera \"cam1\": the take has no frames of it"), std::string::npos) << findings;
   std::filesystem::create_directories(folder.path() / "cam1");
-  EXPECT_NE(shown(inspectTake(folder.path(), rig).findings).find("holds no image"), std::string::npos);
+  EXPECT_NE(shown(inspectTake(folder.path(), rig).findings).find("contains no image"), std::string::npos);
 }
 
 }  // namespace

@@ -46,7 +46,7 @@ struct Videos {
   explicit Videos(int width = 64, int height = 48) : rig(ringRig(3, width, height)) {
     TakeWriter writer(folder / "source", rig, {.rate_hz = 30});
     for (int k = 0; k < kFrames; ++k) {
-      TakenSet set;
+      RecordedSet set;
       for (std::size_t c = 0; c < 3; ++c)
         set.bytes.emplace_back(std::size_t(3) * std::size_t(width) * std::size_t(height), grey(c, k));
       writer.write(std::move(set));
@@ -169,7 +169,7 @@ TEST(RecordApp, InvalidUseIsAOneLineError) {
   EXPECT_FALSE(fs::exists(videos.out()));
   Strings into_full = videos.record({});
   into_full[2] = (videos.folder / "source").string();
-  expectRefused(into_full, 1, "something in the folder already");
+  expectRefused(into_full, 1, "the folder is not empty");
   const Rig larger = ringRig(3, 128, 96);
   writeRig(videos.folder / "larger.toml", larger);
   expectRefused(videos.record({"--rig", (videos.folder / "larger.toml").string()}), 1, "64 x 48");

@@ -255,7 +255,7 @@ TEST_F(RecordingApp, InvalidUseIsAOneLineError) {
   };
   refused({"sculpt", at("mine"), "--headless", "--tool", "pull", "--out", at("o")}, 2, "--tool");
   refused({"sculpt", at("take"), "--headless", "--record", at("mine"), "--out", at("o")}, 1,
-          "something in the folder already");
+          "the folder is not empty");
   const std::string actions = contentOf(folder / "mine/actions.txt");
   const auto with = [&](const std::string& text, const std::string& expected) {
     folder.write("mine/actions.txt", text);

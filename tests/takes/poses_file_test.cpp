@@ -62,7 +62,7 @@ TEST(PosesFile, RejectsMalformedPoses) {
       {"1 0 0 0 0 0 1\n", ":2:"},          {"1 0 0 0 0 0 0 1 0\n", ":2:"},
       {"1 0 0 x 0 0 0 1\n", ":2:"},        {"1 0 0 nan 0 0 0 1\n", "finite"},
       {"1,0,0,0,0,0,0,1\n", ":2:"},        {"1 0 0 0 0 0 0 0\n", "length"},
-      {"1 0 0 0 0 0 0.1 1\n", "length"},   {"0 0 0 0 0 0 0 1\n", "growing"},
+      {"1 0 0 0 0 0 0.1 1\n", "length"},   {"0 0 0 0 0 0 0 1\n", "increasing"},
       {"1 0 0 1e999 0 0 0 1\n", "finite"},
   };
   for (const auto& [bad, mention] : cases) {

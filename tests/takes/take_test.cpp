@@ -296,7 +296,7 @@ TEST_F(TakeTest, ReadsIncompleteTake) {
   TakeOptions options;
   options.unfinished = true;
   EXPECT_EQ(Take(folder.path(), options).frameCount(), 2);
-  options.most_frames = 1;
+  options.max_frames = 1;
   EXPECT_EQ(Take(folder.path(), options).frameCount(), 1);
 }
 
@@ -435,7 +435,7 @@ TEST_F(TakeTest, RejectsBadFolders) {
   expectFault({"left", "no frames"});
   std::filesystem::create_directories(folder / "left");
   std::filesystem::create_directories(folder / "right");
-  expectFault({"left", "holds no image"});
+  expectFault({"left", "contains no image"});
 }
 
 TEST_F(TakeTest, RejectsBadVideos) {
@@ -498,7 +498,7 @@ TEST_F(TakeTest, RejectsBadImages) {
   std::ifstream in(middle, std::ios::binary);
   std::string whole{std::istreambuf_iterator<char>(in), {}};
   folder.write("left/000001.png", whole.substr(0, whole.size() - 100));
-  expectFault({"left/000001.png", "cut off"});
+  expectFault({"left/000001.png", "truncated"});
   whole[whole.size() / 2] = static_cast<char>(whole[whole.size() / 2] + 1);
   folder.write("left/000001.png", whole);
   expectFault({"left/000001.png", "damaged"});
@@ -510,7 +510,7 @@ TEST_F(TakeTest, RejectsBadImages) {
   folder.write("left/000001.png", jpeg_bytes);  // the name's extension does not matter
   EXPECT_EQ(fault(), "");
   folder.write("left/000001.png", jpeg_bytes.substr(0, jpeg_bytes.size() * 2 / 3));
-  expectFault({"left/000001.png", "cut off"});
+  expectFault({"left/000001.png", "truncated"});
   writeImage(middle, noise);
   writeImage(folder / "background/left.png", flat({1, 2, 3}));
   expectFault({"background", "right.png"});

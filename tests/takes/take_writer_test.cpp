@@ -160,8 +160,8 @@ TEST(TakeWriter, FullDiskLeavesReadableTake) {
   const TemporaryFolder folder;
   int asked = 0;
   TakeWriter::Options options;
-  options.room = [&](const fs::path&) {
-    return ++asked <= 20 ? 10 * TakeWriter::kLeastRoomBytes : TakeWriter::kLeastRoomBytes - 1;
+  options.free_bytes = [&](const fs::path&) {
+    return ++asked <= 20 ? 10 * TakeWriter::kMinFreeBytes : TakeWriter::kMinFreeBytes - 1;
   };
   std::string message;
   {
@@ -175,8 +175,7 @@ TEST(TakeWriter, FullDiskLeavesReadableTake) {
     EXPECT_EQ(writer.status().fault, message);
   }
   EXPECT_EQ(message, (folder / "take").string() +
-                         ": the disk is full: the recording ends with set 20, and what is there can be "
-                         "replayed");
+                         ": the disk is full: the recording ends with set 20 and can be replayed up to it");
   Take take(folder / "take");
   EXPECT_EQ(take.frameCount(), 20);
   expectNoise(take);
@@ -189,7 +188,7 @@ TEST(TakeWriter, RejectsNonEmptyFolder) {
     const TakeWriter writer(folder.path(), rig(), {});
     FAIL();
   } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("something in the folder already"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("the folder is not empty"), std::string::npos);
   }
   EXPECT_EQ(contentOf(folder / "mine.txt"), "x");
 }
