@@ -60,7 +60,8 @@ void Silhouettes::recordLearning(Recorder& recorder, const Buffer<std::uint32_t>
                                  const CameraRange& cameras) {
   if (cameras.first == 0) {
     if (learned_frames_ == kMaxLearnFrames)
-      throw Error("the background is learned from at most " + std::to_string(kMaxLearnFrames) + " frames");
+      throw Error("too many frames of the empty workspace; expected at most " +
+                  std::to_string(kMaxLearnFrames));
     if (learned_frames_ == 0) {
       sums_ = Buffer<std::uint64_t>(gpu_, std::size_t(kLearnSums) * rig_.pixels());
       model_ = Buffer<std::uint32_t>(gpu_, rig_.pixels());
@@ -99,7 +100,7 @@ RunArgs Silhouettes::runArgs(bool holes) const {
   RunArgs args{};
   args.cameras = rig_.cameras();
   args.masks.address =
-      (holes ? largest_mask_ : majority_mask_).raw().address();  // as pairs of words, here and below
+      (holes ? largest_mask_ : majority_mask_).raw().address();  // read as pairs of words, here and below
   args.run_counts = run_counts_;
   args.runs = runs_;
   args.labels = labels_;

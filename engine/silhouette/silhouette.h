@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Silhouettes: which pixels show the hand.
+// Silhouettes: the pixels that show the hand.
 //
-// A background model a pixel (mean and spread, learned from the empty workspace), compared tolerantly of
-// shadow and of small changes of brightness; the 3 x 3 majority against speckle; the largest connected part;
-// small holes closed. Masks stay in the raw, distorted image: carving projects through the lens model, so
-// nothing is resampled and no part of the field is lost.
+// Compares each pixel with its background model (mean and spread, learned from the empty workspace), tolerating
+// shadows and small changes of brightness; removes speckle by a 3 x 3 majority; keeps the largest connected part;
+// closes small holes. Masks are in the raw, distorted image: carving projects through the lens model, so nothing is
+// resampled and the whole field of view is used.
 #pragma once
 
 #include "engine/camera/gpu_rig.h"
@@ -14,7 +14,7 @@
 
 namespace airclay {
 
-/// Cameras of the rig, in its order; all from the first on unless `count` says how many.
+/// A range of the rig's cameras; by default all.
 struct CameraRange {
   std::uint32_t first = 0, count = ~0u;
 };
@@ -23,24 +23,24 @@ class Silhouettes {
  public:
   Silhouettes(Gpu& gpu, const GpuRig& rig);
 
-  /// Records the learning of one frame of the empty workspace, at most kMaxLearnFrames; then finishLearning()
-  /// makes the model. `images`: GpuRig's layout. Some cameras at a time, the first of them first: so that
-  /// no submission takes long.
+  /// Records learning from one frame of the empty workspace, at most kMaxLearnFrames; finishLearning() then computes
+  /// the model. `images`: GpuRig's layout. To keep submissions short, call both for a few cameras at a time, starting
+  /// with camera 0.
   void recordLearning(Recorder& recorder, const Buffer<std::uint32_t>& images,
                       const CameraRange& cameras = {});
   void finishLearning(Recorder& recorder, const CameraRange& cameras = {});
   bool learned() const { return learned_; }
-  /// The next frame is the first to learn from.
+  /// Discards the model; learning starts over with the next frame.
   void forget() { learned_frames_ = 0, learned_ = false; }
 
-  /// Records segmentation and cleaning of a frame. \pre learned()
+  /// Records segmentation and clean-up of a frame. \pre learned()
   void record(Recorder& recorder, const Buffer<std::uint32_t>& images);
 
-  /// One bit a pixel, GpuRig's layout. Also written by the host for masks that a take brings along.
+  /// One bit per pixel, GpuRig's layout. The host writes it for takes that contain masks.
   Buffer<std::uint32_t>& masks() { return masks_; }
   const Buffer<std::uint32_t>& masks() const { return masks_; }
-  /// The background model, one word a pixel (silhouette_io.h), and the steps on the way: for comparison with
-  /// the reference.
+  /// The background model, one word per pixel (silhouette_io.h), and intermediate results, for comparison with the
+  /// reference.
   const Buffer<std::uint32_t>& model() const { return model_; }
   const Buffer<std::uint32_t>& levels() const { return levels_; }
   const Buffer<std::uint32_t>& segmented() const { return segmented_; }
@@ -67,25 +67,25 @@ class Silhouettes {
   bool learned_ = false;
 };
 
-/// Holes of up to this many pixels are closed: 100 in an image 640 wide, about 15 x 15 mm at a metre; the
-/// ring of thumb and forefinger is larger.
+/// The largest hole that is closed, in pixels: 100 in an image 640 pixels wide, about 15 x 15 mm at a distance of one
+/// metre. The ring formed by thumb and index finger is larger.
 std::uint32_t largestHole(int image_width);
 
-// --- the reference, in double precision, step by step ---
+// --- the reference implementation, in double precision, step by step ---
 
-/// A pixel's background: mean B, G, R and their common spread in grey levels.
+/// A pixel's background: mean B, G, R and their common standard deviation, in grey levels.
 struct BackgroundPixel {
   Vec3 mean = Vec3::Zero();
   double spread = 0;
 };
 
-/// From frames of tightly packed BGR bytes of one camera.
+/// Learns the model of one camera from frames of BGR bytes without padding.
 std::vector<BackgroundPixel> learnBackgroundReference(const std::vector<std::vector<std::uint8_t>>& frames);
 
-/// How far a pixel differs from the background, in units of what may differ by chance (silhouette_io.h).
+/// A pixel's difference from the background, relative to the tolerance (silhouette_io.h).
 double scoreReference(const Vec3& seen, const BackgroundPixel& background);
 
-/// The mask from an image's scores: at least 1, and not the smear of an edge (EdgeArgs in silhouette_io.h).
+/// The mask from an image's scores: pixels of at least 1 that are not edge blur (EdgeArgs in silhouette_io.h).
 Mask edgesReference(int width, int height, const std::vector<double>& scores);
 
 Mask majorityReference(const Mask& mask);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The silhouette's steps, serial and in double precision: the twins of the silhouette kernels.
+// The reference implementation of the silhouette kernels: serial, in double precision.
 #include <algorithm>
 #include <cmath>
 #include <queue>
@@ -9,8 +9,8 @@
 namespace airclay {
 namespace {
 
-/// Labels the parts of pixels of one kind; calls `visit` with each part's pixel indices and whether it
-/// touches the border.
+/// Calls `visit` for each connected part of object or background pixels, with its pixel indices and whether it touches
+/// the border.
 template <class Visit>
 void forEachPart(const Mask& mask, bool object, bool eight_connected, Visit visit) {
   std::vector<char> done(mask.pixels.size());
@@ -78,7 +78,7 @@ Mask edgesReference(int width, int height, const std::vector<double>& scores) {
       bool smear = false;
       for (int dy = -1; dy <= 1; ++dy)
         for (int dx = -1; dx <= 1; ++dx) {
-          int highest = -1, lowest = own;  // to that side; to the opposite one
+          int highest = -1, lowest = own;  // on this side; on the opposite side
           for (int step = 1; step <= kSmearReach; ++step) {
             const int u = x + step * dx, v = y + step * dy, u2 = x - step * dx, v2 = y - step * dy;
             if (inside(u, v)) highest = std::max(highest, octave(scores[std::size_t(v * width + u)]));
