@@ -20,7 +20,7 @@ class PushTool final : public ToolInstance {
   }
   void recordDisplacements(Recorder& recorder) override { finder_.recordPush(recorder); }
 
-  /// The rows that are reached: those inside move to the hand's surface, the others stay.
+  /// The reached points: those inside move to the hand's surface, the others stay.
   std::vector<Vec3> displacementsOnHost(std::vector<int>& rows) const override {
     const GpuContactFrame frame = frame_.state().download()[0];
     const Eigen::Quaterniond rotation(Eigen::Vector4d(frame.rotation_now.cast<double>()));
@@ -38,7 +38,7 @@ class PushTool final : public ToolInstance {
       }
       if (requested.empty()) continue;
       rows.push_back(static_cast<int>(i));
-      displacements.push_back(agreedDisplacement(requested));
+      displacements.push_back(combinedDisplacement(requested));
     }
     return displacements;
   }
@@ -91,7 +91,7 @@ void ContactFinder::recordCheck(Recorder& recorder, const Buffer<vec3>& data_poi
   ContactCheckArgs check{};
   check.points = points_;
   check.point_count = static_cast<std::uint32_t>(points_.count());
-  check.decision = frame_.decision(kContactDepthWanted, kContactMaxRepeats);
+  check.decision = frame_.decision(kContactTargetDepth, kContactMaxRepeats);
   recorder.dispatchIndirect(check_, check, frame_.groups(), ContactFrame::kCheckGroups);
 }
 

@@ -6,10 +6,9 @@
 namespace airclay {
 namespace {
 
-/// A fifth of a finger's width, which bounds what the grid rounds off. The hand takes 1.5 MB.
+/// An eighth of a finger's width, which limits how much the grid rounds off. The hand's grid takes 1.5 MB.
 constexpr double kCell_m = 0.0025;
-/// Outside the grid, distances are extrapolated from its border, far enough away that the error does not
-/// matter.
+/// Outside the grid, distances are extrapolated from its border, where the error no longer matters.
 constexpr double kMargin_m = 0.03;
 
 }  // namespace

@@ -61,7 +61,7 @@ Grip::Grip(Gpu& gpu, const ContactFrame& frame)
       find_(gpu, "grip_find", grip_find_comp, {kContactWorkgroup}),
       check_(gpu, "grip_check", grip_check_comp, {gpu.reductionWorkgroup()}),
       pull_(gpu, "grip_pull", grip_pull_comp, {kContactWorkgroup}),
-      points_(gpu, frame.dataPointCount()) {}  // filled in each frame until the hand grabs
+      points_(gpu, frame.dataPointCount()) {}  // written in each frame until the hand grabs
 
 void Grip::recordCheck(Recorder& recorder, const Buffer<vec3>& data_points, bool first, double reach_m) {
   GripFindArgs find{};
@@ -78,7 +78,7 @@ void Grip::recordCheck(Recorder& recorder, const Buffer<vec3>& data_points, bool
   GripCheckArgs check{};
   check.points = points_;
   check.data_point_count = frame_.dataPointCount();
-  check.decision = frame_.decision(kGripLagWanted_m, kContactMaxRepeats, kGripMaxStalls);
+  check.decision = frame_.decision(kGripTargetLag_m, kContactMaxRepeats, kGripMaxStalls);
   recorder.dispatchIndirect(check_, check, frame_.groups(), ContactFrame::kCheckGroups);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The grip point by point, in double precision: the twin of grip_find.
+// The reference implementation of grip_find: point by point, in double precision.
 #include "engine/sculpt/grip.h"
 
 namespace airclay {
@@ -23,7 +23,7 @@ Vec3 gripTarget(const ContactPose& gripped, const ContactPose& now, std::uint32_
     const Vec3 in_hand = gripped.rotation.conjugate() * (mirror.cwiseProduct(start) - gripped.position);
     requested.push_back(mirror.cwiseProduct(now.rotation * in_hand + now.position) - start);
   }
-  return start + agreedDisplacement(requested);
+  return start + combinedDisplacement(requested);
 }
 
 }  // namespace airclay

@@ -40,7 +40,7 @@ class SmoothTool final : public ToolInstance {
     }
     return displacements;
   }
-  /// Smoothing has no target that it could miss.
+  /// Smoothing has no target.
   double remainingMetres() const override { return 0; }
 
  private:
@@ -73,7 +73,7 @@ double relaxStrength(int levels, double frame_s) {
 SurfaceNeighbours surfaceNeighbours(const std::vector<std::array<int, 4>>& quads,
                                     std::size_t data_point_count) {
   struct Neighbours {
-    std::vector<std::uint32_t> out, in;  ///< along edges that begin or end here
+    std::vector<std::uint32_t> out, in;  ///< along edges that start or end here
   };
   std::vector<Neighbours> of(data_point_count);
   for (const std::array<int, 4>& quad : quads)
@@ -86,8 +86,7 @@ SurfaceNeighbours surfaceNeighbours(const std::vector<std::array<int, 4>>& quads
   for (Neighbours& point : of) {
     std::sort(point.out.begin(), point.out.end());
     std::sort(point.in.begin(), point.in.end());
-    // an inner edge is passed both ways, one of the border once: the border comes in by one and goes out by
-    // another
+    // inner edges occur in both directions, border edges in one: a border point has one incoming and one outgoing
     std::vector<std::uint32_t> along;
     std::set_difference(point.in.begin(), point.in.end(), point.out.begin(), point.out.end(),
                         std::back_inserter(along));
@@ -145,7 +144,7 @@ void Relaxer::record(Recorder& recorder, const Buffer<vec3>& data_points, const 
   RelaxCheckArgs check{};
   check.displacements = frame_.displacements();
   check.data_point_count = frame_.dataPointCount();
-  check.decision = frame_.decision(kRelaxLeast_m, kRelaxRepeats);
+  check.decision = frame_.decision(kRelaxMinStep_m, kRelaxRepeats);
   recorder.dispatchIndirect(check_, check, frame_.groups(), ContactFrame::kCheckGroups);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Smoothing point by point, in double precision: the twin of relax_umbrella and relax_move.
+// The reference implementation of relax_umbrella and relax_move: point by point, in double precision.
 #include <algorithm>
 
 #include "engine/sculpt/relax.h"
@@ -7,8 +7,7 @@
 namespace airclay {
 namespace {
 
-/// The average of `values` over a point's neighbours, without those on a border when `inner_only`. \return
-/// false when there are none
+/// The average of `values` over a point's neighbours, without those on a border if `inner_only`. False if there are none.
 bool averageAround(const SurfaceNeighbours& neighbours, std::size_t point, bool inner_only,
                    const std::vector<Vec3>& values, Vec3& average) {
   Vec3 sum = Vec3::Zero();
@@ -44,8 +43,8 @@ std::vector<Vec3> relaxReference(const SurfaceNeighbours& neighbours, const std:
     Vec3 average;
     displacements.push_back(Vec3::Zero());
     if (!averageAround(neighbours, i, neighbours.borders[i] == 0, umbrellas, average)) continue;
-    const Vec3 way = umbrellas[i] - average;
-    displacements.back() = strength * nearness[i] * (way.x() * normals[i] + way.y() * across[i]);
+    const Vec3 bilaplacian = umbrellas[i] - average;
+    displacements.back() = strength * nearness[i] * (bilaplacian.x() * normals[i] + bilaplacian.y() * across[i]);
   }
   return displacements;
 }

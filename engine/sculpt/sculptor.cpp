@@ -17,8 +17,8 @@ Sculptor::Sculptor(Gpu& gpu, Clay& clay, const DistanceGrid& hand)
   for (const Tool* tool : airclay::tools()) tools_.push_back(tool->create({gpu, frame_, clay}));
 }
 
-/// A change of the clay, the tool or the symmetry starts over.
-void Sculptor::takeControls(const SculptControls& controls) {
+/// A change of the clay, the tool or the symmetry implies forget().
+void Sculptor::setControls(const SculptControls& controls) {
   const bool edited = clay_edits_ != clay_.edits();
   const bool symmetry_changed = controls.symmetry != controls_.symmetry;
   if (edited || symmetry_changed || !controls.tool.is(controls_.tool.tool())) forget();
@@ -37,7 +37,7 @@ void Sculptor::recordCheck(Recorder& recorder, bool first) {
 }
 
 void Sculptor::record(Recorder& recorder, const Buffer<GpuHandPose>& hands, const SculptControls& controls) {
-  takeControls(controls);
+  setControls(controls);
   frame_.recordBegin(recorder, hands, controls_.held, tool().imagesPerPoint());
   recordCheck(recorder, true);
   if (!solver_->onDevice()) return;

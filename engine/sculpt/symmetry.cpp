@@ -15,25 +15,25 @@ Vec3 signsOf(unsigned axes) {
   return Vec3(axes & 1 ? -1 : 1, axes & 2 ? -1 : 1, axes & 4 ? -1 : 1);
 }
 
-/// Finds points by their place.
+/// Finds points by position.
 class PointFinder {
  public:
   explicit PointFinder(const std::vector<Vec3>& points) : points_(points) {
     for (std::size_t i = 0; i < points.size(); ++i) cells_[cellOf(points[i])].push_back(i);
   }
-  /// The nearest within kSymmetryTolerance_m.
-  std::optional<std::size_t> at(const Vec3& place) const {
+  /// The nearest point within kSymmetryTolerance_m.
+  std::optional<std::size_t> at(const Vec3& position) const {
     std::optional<std::size_t> nearest;
     double nearest_m = kSymmetryTolerance_m;
-    const Cell cell = cellOf(place);
+    const Cell cell = cellOf(position);
     for (int k = 0; k < 27; ++k) {
       const auto found = cells_.find({cell[0] + k % 3 - 1, cell[1] + k / 3 % 3 - 1, cell[2] + k / 9 - 1});
       if (found == cells_.end()) continue;
       for (const std::size_t i : found->second) {
-        const double away_m = (points_[i] - place).norm();
-        if (away_m > nearest_m) continue;
+        const double distance_m = (points_[i] - position).norm();
+        if (distance_m > nearest_m) continue;
         nearest = i;
-        nearest_m = away_m;
+        nearest_m = distance_m;
       }
     }
     return nearest;
@@ -52,7 +52,7 @@ class PointFinder {
   std::map<Cell, std::vector<std::size_t>> cells_;
 };
 
-/// Every point's image, where the cage is its own mirror image.
+/// Every point's mirror image; empty unless the cage is symmetric.
 std::optional<std::vector<std::size_t>> partners(const PolygonMesh& cage, const PointFinder& finder,
                                                  unsigned axis) {
   std::vector<std::size_t> partner;
@@ -63,7 +63,7 @@ std::optional<std::vector<std::size_t>> partners(const PolygonMesh& cage, const 
     taken[*image] = true;
     partner.push_back(*image);
   }
-  std::set<std::vector<int>> faces;  // as sets of corners: mirroring turns a face round
+  std::set<std::vector<int>> faces;  // as sorted corners, because mirroring reverses a face
   for (std::vector<int> face : cage.faces) {
     std::sort(face.begin(), face.end());
     faces.insert(face);
@@ -76,7 +76,7 @@ std::optional<std::vector<std::size_t>> partners(const PolygonMesh& cage, const 
   return partner;
 }
 
-/// All sums of the given axes, 0 first, in ascending order, 4 bits each.
+/// All combinations of the given axes in ascending order from 0, 4 bits each.
 std::uint32_t mirrorsOfAxes(unsigned axes) {
   std::uint32_t mirrors = 0, image = 0;
   for (unsigned some = 0; some < 8; ++some)
@@ -100,9 +100,9 @@ Vec3 mirrorOf(std::uint32_t mirrors, std::uint32_t image) {
   return signsOf(mirrors >> (4 * image));
 }
 
-Vec3 agreedDisplacement(const std::vector<Vec3>& wanted) {
+Vec3 combinedDisplacement(const std::vector<Vec3>& requests) {
   Vec3 up = Vec3::Zero(), down = Vec3::Zero();
-  for (const Vec3& displacement : wanted) {
+  for (const Vec3& displacement : requests) {
     up = up.cwiseMax(displacement);
     down = down.cwiseMin(displacement);
   }
@@ -113,8 +113,8 @@ SymmetryOrbits symmetryOrbits(const PolygonMesh& cage, const Symmetry& symmetry)
   const PointFinder finder(cage.points);
   std::map<unsigned, std::vector<std::size_t>> partner_of;  // by axis
   unsigned axes = 0;
-  for (const auto& [wanted, axis] : {std::pair(symmetry.x, 1u), {symmetry.y, 2u}, {symmetry.z, 4u}}) {
-    if (!wanted) continue;
+  for (const auto& [enabled, axis] : {std::pair(symmetry.x, 1u), {symmetry.y, 2u}, {symmetry.z, 4u}}) {
+    if (!enabled) continue;
     const std::optional<std::vector<std::size_t>> partner = partners(cage, finder, axis);
     if (!partner) continue;
     partner_of[axis] = *partner;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A tool: how the hand shapes the clay. Its description (name, icon, settings) and its implementation are in
-// one translation unit; engine/sculpt/tools.cpp lists all tools. The command line, recordings, panels and
-// shortcuts iterate over that list, so a new tool needs no change there.
+// A tool defines how the hand shapes the clay. Its description (name, icon, settings) and its implementation are in one
+// translation unit; engine/sculpt/tools.cpp lists all tools. The command line, recordings, panels and shortcuts iterate
+// over that list, so a new tool needs no change there.
 #pragma once
 
 #include <memory>
@@ -31,7 +31,7 @@ struct Tool {
   const char* name;         ///< in the window and in the history: "Push"
   const char* description;  ///< one sentence, for the tooltip
   const char* icon;         ///< strokes in SVG path syntax (M, L and C, absolute), 24 x 24, y down
-  bool grabs = false;       ///< holds on to the clay until the clutch opens
+  bool grabs = false;       ///< holds the clay until the clutch opens
   std::span<const ToolSetting> settings = {};
   std::unique_ptr<ToolInstance> (*create)(const ToolContext&) = nullptr;
 };
@@ -62,37 +62,37 @@ class ToolChoice {
 struct SculptControls {
   ToolChoice tool;
   Symmetry symmetry = {};
-  bool held = true;             ///< the clutch; false leaves the clay alone
+  bool held = true;             ///< the clutch is closed; if false, the clay does not move
   double frame_s = 1.0 / 30.0;  ///< time since the last frame, by the images' clock
 };
 
-/// What a tool works on. Everything outlives the tool.
+/// The objects that a tool works on; all outlive the tool.
 struct ToolContext {
   Gpu& gpu;
   ContactFrame& frame;
   const Clay& clay;
 };
 
-/// A tool at work on one clay. A frame is: first check, then displacements, solve, subdivision and check,
+/// A tool applied to one clay. A frame consists of a first check, then displacements, solve, subdivision and check,
 /// repeated until a check reports that the frame is done (contact_decide.glsl).
 class ToolInstance {
  public:
   virtual ~ToolInstance() = default;
 
-  /// Symmetry images of a data point that the check looks at in workgroups of their own.
+  /// The number of symmetry images of a data point that the check processes in separate workgroups.
   virtual std::uint32_t imagesPerPoint() const { return 1; }
   virtual std::uint32_t maxRepeats() const { return kContactMaxRepeats; }
 
   /// Records a check. `first`: right after ContactFrame::recordBegin(); otherwise the data points have moved,
   /// and the dispatches are indirect, so that they do nothing once the frame is done.
   virtual void recordCheck(Recorder& recorder, const ToolChoice& choice, double frame_s, bool first) = 0;
-  /// Records the solver's right side, ContactFrame::displacements(), unless the check has written it.
+  /// Records the solver's right-hand side, ContactFrame::displacements(), unless the check writes it.
   virtual void recordDisplacements(Recorder&) {}
 
-  /// For a solver on the host: the data points that the tool moves, ascending, and their displacements in the
-  /// clay's frame, metres. \pre the check's submission is done
+  /// For a host solver: appends the data points that the tool moves to `rows`, ascending, and returns their
+  /// displacements, clay frame, metres. \pre the check's submission is done
   virtual std::vector<Vec3> displacementsOnHost(std::vector<int>& rows) const = 0;
-  /// What the frame left undone, metres: penetration, or the lag of held clay.
+  /// The remaining error after the frame, metres: penetration depth, or the lag of held clay.
   virtual double remainingMetres() const = 0;
 };
 

@@ -50,8 +50,8 @@ void readSetting(ToolChoice& choice, std::string_view text) {
     throw Error("the tool setting '" + std::string(text) + "' is unknown; " + settingsOf(choice.tool()));
   const std::string_view number = text.substr(equals + 1);
   double value = 0;
-  const auto [end, fault] = std::from_chars(number.begin(), number.end(), value);
-  if (fault != std::errc() || end != number.end() ||
+  const auto [end, error] = std::from_chars(number.begin(), number.end(), value);
+  if (error != std::errc() || end != number.end() ||
       !(value >= setting->minimum && value <= setting->maximum))
     throw Error("the tool setting '" + std::string(text) + "' is out of range; use " + rangeOf(*setting));
   choice.setValue(static_cast<std::size_t>(setting - settings.begin()), value);

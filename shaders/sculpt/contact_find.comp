@@ -29,42 +29,42 @@ vec3 normalAt(vec3 point) {
 }
 
 // The path of a data point while the hand moves from one pose to the next and the clay from one shape to the next, both at constant speed.
-struct Way {
+struct Path {
   vec4 rotation_from, rotation_to;
   vec3 center_from, center_to;
   vec3 point_from, point_to;
   float length_m;  // an upper bound
 };
 
-vec3 placeInHand(Way way, float t) {
-  const vec4 rotation = normalize(mix(way.rotation_from, way.rotation_to, t));
-  return rotate(conjugate(rotation), mix(way.point_from, way.point_to, t) - mix(way.center_from, way.center_to, t));
+vec3 placeInHand(Path path, float t) {
+  const vec4 rotation = normalize(mix(path.rotation_from, path.rotation_to, t));
+  return rotate(conjugate(rotation), mix(path.point_from, path.point_to, t) - mix(path.center_from, path.center_to, t));
 }
 
-float boundOf(Way way) {
-  // the interpolated quaternion turns fastest half way: 4 tan(angle / 4)
-  const float cosine = min(dot(way.rotation_from, way.rotation_to), 1);
+float boundOf(Path path) {
+  // the interpolated quaternion turns fastest at the midpoint: 4 tan(angle / 4)
+  const float cosine = min(dot(path.rotation_from, path.rotation_to), 1);
   const float turn = 4 * sqrt((1 - cosine) / (1 + cosine));
-  const float arm = max(length(way.point_from - way.center_from), length(way.point_to - way.center_to));
-  return length(way.point_to - way.point_from) + length(way.center_to - way.center_from) + turn * arm;
+  const float arm = max(length(path.point_from - path.center_from), length(path.point_to - path.center_to));
+  return length(path.point_to - path.point_from) + length(path.center_to - path.center_from) + turn * arm;
 }
 
 // The first t at which the path enters the hand, by conservative advancement, then bisection; kNone if it does not. `leaves`: it may start
 // inside, and has to leave first.
-float firstEntry(Way way, bool leaves) {
-  const float min_step = max(kContactMinStep, way.length_m / kContactMaxSteps);
+float firstEntry(Path path, bool leaves) {
+  const float min_step = max(kContactMinStep, path.length_m / kContactMaxSteps);
   float t = 0, outside = 0, inside = kNone;
   while (true) {
-    const float distance_m = distanceAt(placeInHand(way, t));
-    if (leaves) leaves = distance_m <= kContactReleased;
+    const float distance_m = distanceAt(placeInHand(path, t));
+    if (leaves) leaves = distance_m <= kContactReleaseDistance;
     else if (distance_m <= 0) inside = t;
     else outside = t;
     if (inside != kNone) {
-      if ((inside - outside) * way.length_m <= kContactRefined) return inside;
+      if ((inside - outside) * path.length_m <= kContactTolerance) return inside;
       t = 0.5 * (outside + inside);
     } else {
-      if (t >= 1 || distance_m > (1 - t) * way.length_m) return kNone;
-      t = min(1, t + max(leaves ? 0 : distance_m, min_step) / way.length_m);
+      if (t >= 1 || distance_m > (1 - t) * path.length_m) return kNone;
+      t = min(1, t + max(leaves ? 0 : distance_m, min_step) / path.length_m);
       if (leaves) outside = t;
     }
   }
@@ -85,22 +85,22 @@ float firstSurface(vec3 place, vec3 direction, float high, float low) {
       if (s <= low) return kNone;
       s = max(low, s - max(distance_m, kContactMinStep));
     } else {
-      if (outside - inside <= kContactRefined) return outside;
+      if (outside - inside <= kContactTolerance) return outside;
       s = 0.5 * (outside + inside);
     }
   }
 }
 
 // Processes a point that was outside, or, if `leaves`, has just been released.
-void sweep(Way way, bool leaves, inout GpuContactPoint point) {
+void sweep(Path path, bool leaves, inout GpuContactPoint point) {
   point.state = kPointOutside;
   point.depth = 0;
-  const float t = firstEntry(way, leaves);
+  const float t = firstEntry(path, leaves);
   if (t == kNone) return;
-  const vec3 now = placeInHand(way, 1);
-  vec3 back = placeInHand(way, t) - now;
+  const vec3 now = placeInHand(path, 1);
+  vec3 back = placeInHand(path, t) - now;
   point.depth = length(back);
-  if (point.depth <= kContactShortWay) back = placeInHand(way, 0) - now;  // entered at the very end
+  if (point.depth <= kContactMinPath) back = placeInHand(path, 0) - now;  // entered at the very end
   point.state = kPointReached;
   point.depth_before = point.depth;
   point.direction = length(back) > 0 ? normalize(back) : vec3(0, 0, 1);
@@ -110,8 +110,8 @@ void sweep(Way way, bool leaves, inout GpuContactPoint point) {
 }
 
 // Processes a reached point; returns true if the hand has released it.
-bool follow(Way way, float distance_m, inout GpuContactPoint point) {
-  const vec3 from = placeInHand(way, 0), to = placeInHand(way, 1);
+bool follow(Path path, float distance_m, inout GpuContactPoint point) {
+  const vec3 from = placeInHand(path, 0), to = placeInHand(path, 1);
   if (args.first != 0) point.direction = normalize(point.direction + kContactTurnToNormal * normalAt(from));
   const float high = max(0, dot(from - to, point.direction)) + max(0, point.depth) + kContactLift;
   point.depth_before = point.depth;
@@ -121,7 +121,7 @@ bool follow(Way way, float distance_m, inout GpuContactPoint point) {
     point.depth = 0;
   } else if (point.depth == kNone) {
     point.depth = -point.pushed;
-    return point.pushed == 0 && distance_m > kContactReleased;
+    return point.pushed == 0 && distance_m > kContactReleaseDistance;
   }
   return false;
 }
@@ -135,30 +135,30 @@ void main() {
   GpuContactPoint point = GpuContactPoint(args.points.at[index].position, state, vec3(0), 0, 0, 0, 0, 0);
   if (state == kPointReached) point = args.points.at[index];
   const vec3 position = mirrorOf(args.mirrors, image) * args.data_points.at[data_point];
-  Way way;
-  way.rotation_to = frame.rotation_now;
-  way.center_to = frame.position_now;
-  way.rotation_from = args.first != 0 ? frame.rotation_before : frame.rotation_now;
-  way.center_from = args.first != 0 ? frame.position_before : frame.position_now;
-  way.point_from = point.position;
-  way.point_to = position;
-  way.length_m = boundOf(way);
+  Path path;
+  path.rotation_to = frame.rotation_now;
+  path.center_to = frame.position_now;
+  path.rotation_from = args.first != 0 ? frame.rotation_before : frame.rotation_now;
+  path.center_from = args.first != 0 ? frame.position_before : frame.position_now;
+  path.point_from = point.position;
+  path.point_to = position;
+  path.length_m = boundOf(path);
   point.position = position;
   if (args.first != 0) {
     point.pushed = 0;
     point.pushed_plain = 0;
     point.last_push = 0;
   }
-  const float distance_m = distanceAt(placeInHand(way, 1));
+  const float distance_m = distanceAt(placeInHand(path, 1));
   if (frame.mode == kFrameStart) {
     point.state = distance_m <= 0 ? kPointIgnored : kPointOutside;
     point.depth = 0;
   } else if (state == kPointIgnored) {
-    if (distance_m > kContactLeft) point.state = kPointOutside;
+    if (distance_m > kContactLeaveDistance) point.state = kPointOutside;
   } else {
     const bool reached = state == kPointReached;
-    const bool released = reached && follow(way, distance_m, point);
-    if (!reached || released) sweep(way, released, point);
+    const bool released = reached && follow(path, distance_m, point);
+    if (!reached || released) sweep(path, released, point);
   }
   if (frame.mode == kFrameSweep && state == kPointOutside && point.state == kPointOutside)
     args.points.at[index].position = position;  // for most points only the position changes

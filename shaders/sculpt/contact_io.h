@@ -12,15 +12,15 @@ AIRCLAY_IO_BEGIN
 const uint kContactWorkgroup = 64;
 
 // A reached point is released 0.2 mm outside; with less, rounding would reach and release it alternately.
-const float kContactReleased = 0.0002;
+const float kContactReleaseDistance = 0.0002;
 // 1 mm outside, a point that was inside when tracking began counts as left.
-const float kContactLeft = 0.001;
+const float kContactLeaveDistance = 0.001;
 // Steps along a path are at least this long: anything thinner than 0.5 mm may be missed …
 const float kContactMinStep = 0.0005;
 // … and on a longer path a fraction of its length, which limits the number of steps.
 const float kContactMaxSteps = 256;
 // The intersection of a path with the surface is found to 2 µm.
-const float kContactRefined = 2e-6;
+const float kContactTolerance = 2e-6;
 // The search for a point starts this far above its last position.
 const float kContactLift = 0.001;
 // The surface is at most this far above that; otherwise the point is ignored until the hand has left it.
@@ -28,10 +28,10 @@ const float kContactMaxClimb = 0.05;
 // Fraction of the unit normal added to the direction in each new frame.
 const float kContactTurnToNormal = 0.5;
 // A path shorter than this has no direction: the normal is used.
-const float kContactShortWay = 1e-6;
+const float kContactMinPath = 1e-6;
 
 // The repeats end at this remaining depth.
-const float kContactDepthWanted = 0.001;
+const float kContactTargetDepth = 0.001;
 // A repeat that leaves more than this fraction of the smallest depth so far counts as a stall; after a number
 // of stalls in a row the repeats end.
 const float kContactShrinks = 0.98;

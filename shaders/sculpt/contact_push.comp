@@ -28,7 +28,7 @@ vec3 push(inout GpuContactPoint point) {
 void main() {
   const uint data_point = invocation();
   if (data_point >= args.data_point_count) return;
-  Wishes requests = noWishes();
+  Requests requests = noRequests();
   const uint images = imageCount(args.mirrors);
   for (uint image = 0; image < images; ++image) {
     const uint index = image * args.data_point_count + data_point;
@@ -37,5 +37,5 @@ void main() {
     add(requests, mirrorOf(args.mirrors, image) * push(point));
     args.points.at[index] = point;
   }
-  args.displacements.at[data_point] = agreed(requests);
+  args.displacements.at[data_point] = combined(requests);
 }

@@ -34,12 +34,12 @@ void main() {
   }
   if (args.points.at[index].images == 0) return;
   GpuGripPoint point = args.points.at[index];
-  Wishes requests = noWishes();
+  Requests requests = noRequests();
   for (uint image = 0; image < images; ++image) {
     const vec3 mirror = mirrorOf(args.mirrors, image);
     if ((point.images >> image & 1) != 0) add(requests, mirror * carried(frame, mirror * point.start) - point.start);
   }
-  const vec3 lag = point.start + agreed(requests) - position;
+  const vec3 lag = point.start + combined(requests) - position;
   point.achieved = dot(point.last_pull, point.lag - lag);
   point.lag = lag;
   if (args.first != 0) {

@@ -13,7 +13,7 @@ AIRCLAY_IO_BEGIN
 const float kGripReach_m = 0.006;
 
 // The repeats end when gripped points lag by no more than this. A voxel is ten times as large.
-const float kGripLagWanted_m = 0.0005;
+const float kGripTargetLag_m = 0.0005;
 
 // With momentum the lag decreases in waves, and the target is approached from either side: unlike with
 // depths, more stalls are tolerated.

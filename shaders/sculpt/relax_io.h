@@ -16,7 +16,7 @@ const float kRelaxReach_m = 0.01;
 const uint kRelaxRepeats = 4;
 
 // Displacements below a thousandth of a millimetre do not count.
-const float kRelaxLeast_m = 1e-6;
+const float kRelaxMinStep_m = 1e-6;
 
 // relax_umbrella: one invocation per data point; the vector to the average of its neighbours, which are
 // `neighbours` from starts[i] up to, not including, starts[i + 1].

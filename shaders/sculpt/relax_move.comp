@@ -41,8 +41,8 @@ void main() {
       ++count;
     }
     if (count > 0) {
-      const vec3 way = args.umbrellas.at[index] - sum / count, normal = args.normals.at[index];
-      displacement = way.x * normal + way.y * acrossBorder(index, normal);
+      const vec3 bilaplacian = args.umbrellas.at[index] - sum / count, normal = args.normals.at[index];
+      displacement = bilaplacian.x * normal + bilaplacian.y * acrossBorder(index, normal);
     }
   }
   args.displacements.at[index] = args.strength * near * displacement;

@@ -9,17 +9,17 @@ vec3 mirrorOf(uint mirrors, uint image) {
 }
 
 // The largest displacement in either direction, per axis.
-struct Wishes {
+struct Requests {
   vec3 up;
   vec3 down;
 };
 
-Wishes noWishes() { return Wishes(vec3(0), vec3(0)); }
+Requests noRequests() { return Requests(vec3(0), vec3(0)); }
 
-void add(inout Wishes requests, vec3 displacement) {
+void add(inout Requests requests, vec3 displacement) {
   requests.up = max(requests.up, displacement);
   requests.down = min(requests.down, displacement);
 }
 
 // The larger displacement if the images agree, the sum if they oppose each other.
-vec3 agreed(Wishes requests) { return requests.up + requests.down; }
+vec3 combined(Requests requests) { return requests.up + requests.down; }

@@ -34,11 +34,11 @@ TEST(Symmetry, ImagesCoverAllAxisCombinations) {
 }
 
 TEST(Symmetry, ImagesKeepTheLargerAndAddIndependentMoves) {
-  EXPECT_EQ(agreedDisplacement({}), Vec3(0, 0, 0));
-  EXPECT_EQ(agreedDisplacement({Vec3(1, -2, 3)}), Vec3(1, -2, 3));
-  EXPECT_EQ(agreedDisplacement({Vec3(1, -2, 3), Vec3(2, -1, 3)}), Vec3(2, -2, 3));
-  EXPECT_EQ(agreedDisplacement({Vec3(5, -2, 3), Vec3(-5, -2, 3)}), Vec3(0, -2, 3)) << "on the plane x = 0";
-  EXPECT_EQ(agreedDisplacement({Vec3(5, 0, 0), Vec3(-3, 0, 0), Vec3(-4, 0, 0)}), Vec3(1, 0, 0));
+  EXPECT_EQ(combinedDisplacement({}), Vec3(0, 0, 0));
+  EXPECT_EQ(combinedDisplacement({Vec3(1, -2, 3)}), Vec3(1, -2, 3));
+  EXPECT_EQ(combinedDisplacement({Vec3(1, -2, 3), Vec3(2, -1, 3)}), Vec3(2, -2, 3));
+  EXPECT_EQ(combinedDisplacement({Vec3(5, -2, 3), Vec3(-5, -2, 3)}), Vec3(0, -2, 3)) << "on the plane x = 0";
+  EXPECT_EQ(combinedDisplacement({Vec3(5, 0, 0), Vec3(-3, 0, 0), Vec3(-4, 0, 0)}), Vec3(1, 0, 0));
 }
 
 TEST(Symmetry, OrbitsPartitionTheCage) {
