@@ -18,12 +18,12 @@ FitModel fitModel(const HandModel& hand) {
     const Vec3 &p = closed.vertices[std::size_t(a)], &q = closed.vertices[std::size_t(b)],
                &r = closed.vertices[std::size_t(c)];
     const Vec3 twice_area = (q - p).cross(r - p);
-    if (twice_area.norm() == 0) continue;  // no patch, no force
+    if (twice_area.norm() == 0) continue;  // degenerate: exerts no force
     GpuPatch patch{};
     patch.center = ((p + q + r) / 3 - solid.centroid).cast<float>();
     patch.area = static_cast<float>(0.5 * twice_area.norm());
     patch.normal = twice_area.normalized().cast<float>();
-    // what withCaps() added is where the forearm goes on, too
+    // triangles added by withCaps() are also where the forearm continues
     patch.cut = i >= hand.skin.triangles.size() || (i < hand.cut_patches.size() && hand.cut_patches[i]);
     model.patches.push_back(patch);
     model.patch_area_m2 += patch.area;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Hand pose estimation (section 2 of the paper): the skeletal model is pushed into the voxel model by forces
-// on the patches that stick out.
+// Hand pose estimation (section 2 of the paper): forces on the patches that are outside push the skeletal model into the
+// voxel model.
 //
-// Positions here are in the workspace's frame (the world moved to the workspace's centre) unless a name says
+// Positions are in the workspace frame (the world frame moved to the workspace's centre) unless their name says
 // otherwise.
 #pragma once
 
@@ -13,53 +13,53 @@
 
 namespace airclay {
 
-/// How a fit ended.
+/// The reason why a fit ended.
 enum class FitOutcome {
-  kIncluded = kFitIncluded,                ///< no patch is outside the voxel model any more
-  kStalled = kFitStalled,                  ///< the steps became too small to matter
+  kIncluded = kFitIncluded,                ///< no patch is outside the voxel model
+  kStalled = kFitStalled,                  ///< the steps became negligible
   kOutOfIterations = kFitOutOfIterations,  ///< still moving at the iteration limit
 };
 
-/// A hand that was found in the voxel model.
+/// A hand fitted to the voxel model.
 struct HandFit {
   HandPose pose;
   FitOutcome outcome = FitOutcome::kOutOfIterations;
   int iterations = 0;
-  double outside_m = 0;         ///< how far outside the patches are on average, by area
-  double outside_fraction = 1;  ///< share of the skin's patches that are outside the voxel model
-  bool tracked = false;         ///< believable: the voxel model explains the hand
+  double outside_m = 0;         ///< mean distance of the patches outside the voxel model, weighted by area
+  double outside_fraction = 1;  ///< fraction of the skin's patches that are outside the voxel model
+  bool tracked = false;         ///< the pose is plausible: the voxel model contains the hand
 };
 
-/// What the fit needs of a hand model: patches about the centre of gravity of the solid hand.
+/// A hand model for the fit: patches relative to the centre of mass of the solid hand.
 struct FitModel {
   std::vector<GpuPatch> patches;
-  Vec3 center_of_mass = Vec3::Zero();  ///< in the hand's frame, metres: the volume's centroid
-  Mat3 inertia_m2 = Mat3::Zero();      ///< about it, over the mass
+  Vec3 center_of_mass = Vec3::Zero();  ///< hand frame, metres: the volume's centroid
+  Mat3 inertia_m2 = Mat3::Zero();      ///< about the centre of mass, divided by the mass
   double patch_area_m2 = 0;            ///< of all patches
-  double radius_m = 0;                 ///< of the ball about the centre of gravity that holds the skin
+  double radius_m = 0;                 ///< largest distance of the skin from the centre of mass
 };
 
 FitModel fitModel(const HandModel& hand);
 
-/// Every `step`-th patch, with the areas scaled so that their sum stays: for the coarse search.
+/// Every `step`-th patch, with areas scaled to the same sum, for the coarse search.
 FitModel thinned(const FitModel& model, int step);
 
-/// The margin of the force law, as a share of a cell: patches are pushed from this far inside the surface, so
-/// that opposite sides of the hand balance each other within the voxels' rounding.
+/// The margin of the force law, as a fraction of a cell: forces act from this far inside the surface, so that opposite
+/// sides of the hand balance each other within the voxels' rounding.
 inline constexpr double kFitMargin = 0.25;
 
 struct FitLimits {
   int iterations = 40;
 };
 
-/// The twin of the kernel: one hypothesis, serial, in double precision. `start` and the result are as in
-/// GpuFit.
+/// The reference implementation of the kernel: one hypothesis, serial, in double precision. `start` and the result are
+/// as in GpuFit.
 GpuFit fitReference(const FitModel& model, const std::vector<double>& field, const FieldGrid& grid,
                     const GpuFit& start, const FitLimits& limits);
 
-/// What the poses of fits refer to.
+/// The frame of the poses in GpuFit.
 HandPoseFrame poseFrame(const FitModel& model, const Workspace& workspace);
-/// A start at a pose.
+/// A fit that starts at the given pose.
 GpuFit fitAt(const HandPose& start, const FitModel& model, const Workspace& workspace);
 
 /// A batch of hypotheses on the device.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The fit of one hypothesis, serial and in double precision: the twin of fit.comp. Equations: section 2 of
-// the paper.
+// The reference implementation of fit.comp: one hypothesis, serial, in double precision. Equations: section 2 of the
+// paper.
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
@@ -45,8 +45,8 @@ Forces forcesAt(const FitModel& model, const std::vector<double>& field, const F
 
 GpuFit fitReference(const FitModel& model, const std::vector<double>& field, const FieldGrid& grid,
                     const GpuFit& start, const FitLimits& limits) {
-  // fit.comp explains these
-  constexpr double inertia_share = 0.01, max_turn = 0.25, max_shift = 0.03, stall_shift = 2e-5,
+  // explained in fit.comp
+  constexpr double inertia_weight = 0.01, max_turn = 0.25, max_shift = 0.03, stall_shift = 2e-5,
                    stall_turn = 2e-4;
   Eigen::Quaterniond rotation(Eigen::Vector4d(start.pose.rotation.cast<double>()));
   Vec3 position = start.pose.position.cast<double>();
@@ -63,7 +63,7 @@ GpuFit fitReference(const FitModel& model, const std::vector<double>& field, con
     }
     if (result.iterations == static_cast<std::uint32_t>(limits.iterations)) break;
     const Mat3 turn = rotation.toRotationMatrix();
-    const double mass = inertia_share * model.patch_area_m2;
+    const double mass = inertia_weight * model.patch_area_m2;
     Mat6 matrix = forces.stiffness;
     matrix.topLeftCorner<3, 3>() += mass * Mat3::Identity();
     matrix.bottomRightCorner<3, 3>() += mass * turn * model.inertia_m2 * turn.transpose();

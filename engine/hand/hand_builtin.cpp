@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: MIT
-// The project's own hand: a skeleton by published measures, and round it a smooth implicit skin.
+// The built-in hand: a skeleton with published dimensions and a smooth implicit skin.
 //
 // Lengths: Buryanov and Kotiuk 2010, "Proportions of Hand Segments", Int. J. Morphol. 28(3):755-758,
-// https://doi.org/10.4067/S0717-95022010000300015. Breadths and depths are our own round figures for an
-// adult: wrist 60 x 39, hand breadth about 90, middle joints 20, end joints 17, thumb 22 mm (for tables of
-// such measures see Vergara, Agost and Gracia-Ibanez 2018, "Dorsal and palmar aspect dimensions of hand
-// anthropometry").
+// https://doi.org/10.4067/S0717-95022010000300015. Breadths and depths are our own round values for an adult: wrist
+// 60 x 39, hand breadth about 90, middle joints 20, end joints 17, thumb 22 mm (for tables of such dimensions see
+// Vergara, Agost and Gracia-Ibanez 2018, "Dorsal and palmar aspect dimensions of hand anthropometry").
 //
-// The skin is a union, smooth by the polynomial minimum (Quilez, "Smooth minimum"), of lofts: bodies with an
-// elliptic section, flatter on the back than on the palm, that changes along an axis. Millimetres in this
-// file, as in the sources.
+// The skin is a smooth union, by the polynomial minimum (Quilez, "Smooth minimum"), of lofts: bodies with an elliptic
+// section that varies along an axis and is flatter on the back than on the palm. This file uses millimetres, like the
+// sources.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -22,7 +21,7 @@ namespace {
 
 constexpr double kMetresPerMm = 1e-3;
 constexpr double kCutX =
-    -13;  // where the skin ends: behind the crease of the wrist, which is the wrist joint at 0
+    -13;  // the skin ends behind the crease of the wrist; the wrist joint is at 0
 
 double radians(double degrees) {
   return degrees * std::numbers::pi / 180;
@@ -48,13 +47,13 @@ double smoothStep(double low, double high, double x) {
 // ---------------------------------------------------------------------------------------------------------------------
 // Lofts
 
-/// A section at `u` along a loft's axis: its centre off the axis (v to the thumb's side, w to the back), and
-/// its half axes sideways, to the back and to the palm.
+/// A section at `u` along a loft's axis: its centre's offset from the axis (v to the thumb side, w to the back), and its
+/// semi-axes to the sides, the back and the palm.
 struct Section {
   double u, v, w, side, back, palm;
 };
 
-/// An axis system in the hand: x along the axis, z towards `back`.
+/// A frame in the hand: x along `along`, z towards `back`.
 Pose frameAlong(const Vec3& origin, const Vec3& along, const Vec3& back) {
   Pose frame = Pose::Identity();
   const Vec3 x = along.normalized(), z = (back - x * x.dot(back)).normalized();
@@ -65,8 +64,8 @@ Pose frameAlong(const Vec3& origin, const Vec3& along, const Vec3& back) {
 
 class Loft {
  public:
-  /// Sections in rising order; before the first and after the last the body ends in half an ellipsoid as long
-  /// as given. `arch` (1/mm) bends the section's edges towards the palm.
+  /// Sections in ascending order; the body ends in half ellipsoids of the given lengths. `arch` (1/mm) bends the
+  /// section's edges towards the palm.
   Loft(const Pose& hand_from_loft, const std::vector<Section>& sections, double start_cap, double end_cap,
        double arch = 0)
       : loft_from_hand_(hand_from_loft.inverse()),
@@ -79,7 +78,7 @@ class Loft {
     for (int i = 0; i <= steps; ++i) table_.push_back(interpolate(sections, start_ + i));
   }
 
-  /// Near the surface about the distance; further away no more than its sign and order.
+  /// Approximately the distance near the surface; farther away, only sign and order are correct.
   double distance(const Vec3& point_in_hand) const {
     const Vec3 q = loft_from_hand_ * point_in_hand;
     const double u = std::clamp(q.x(), start_, end_);
@@ -93,7 +92,7 @@ class Loft {
     const double side = mix(a.side, b.side);
     const double depth = w > 0 ? mix(a.back, b.back) : mix(a.palm, b.palm);
     const double cap = q.x() < start_ ? start_cap_ : end_cap_;
-    // First order in the ellipsoid's own metric: k0 = |x / r|, k1 = |x / r²|.
+    // First-order approximation for an ellipsoid: k0 = |x / r|, k1 = |x / r²|.
     const Vec3 scaled((q.x() - u) / cap, v / side, w / depth);
     const double k0 = scaled.norm();
     const double k1 = Vec3(scaled.x() / cap, scaled.y() / side, scaled.z() / depth).norm();
@@ -101,7 +100,7 @@ class Loft {
   }
 
  private:
-  /// Piecewise cubic without overshoot (Fritsch and Carlson 1980, harmonic means of the slopes).
+  /// Monotone piecewise cubic interpolation (Fritsch and Carlson 1980, harmonic means of the slopes).
   static Section interpolate(const std::vector<Section>& sections, double u) {
     size_t i = 0;
     while (i + 2 < sections.size() && sections[i + 1].u < u) ++i;
@@ -110,7 +109,7 @@ class Loft {
         return (sections[k + 1].*value - sections[k].*value) / (sections[k + 1].u - sections[k].u);
       };
       const auto tangent = [&](size_t k) {
-        if (k == 0 || k + 1 == sections.size()) return 0.;  // the caps begin level
+        if (k == 0 || k + 1 == sections.size()) return 0.;  // zero slope at the caps
         const double before = slope(k - 1), after = slope(k);
         return before * after > 0 ? 2 * before * after / (before + after) : 0.;
       };
@@ -129,25 +128,25 @@ class Loft {
 
   Pose loft_from_hand_;
   double start_, end_, start_cap_, end_cap_, arch_;
-  std::vector<Section> table_;  // a millimetre apart
+  std::vector<Section> table_;  // 1 mm apart
 };
 
 // ---------------------------------------------------------------------------------------------------------------------
 // The skeleton
 
-/// A finger: where it starts, the bones' lengths, and how it lies. Angles in degrees, see direction().
+/// A finger's base, bone lengths and directions. Angles in degrees, see direction().
 struct Ray {
   Vec3 base;  // of the metacarpal
   std::array<double, 5>
       lengths;  // metacarpal, proximal, middle, distal, soft tip; the thumb has no middle phalanx
   double metacarpal_azimuth, metacarpal_elevation;
   double finger_azimuth, finger_elevation;
-  double curl;                         // further down at each joint after the knuckle: a hand at rest
+  double curl;                         // flexion at each joint after the knuckle, as of a hand at rest
   double middle_breadth, end_breadth;  // at the joints
 };
 
-// Bases and angles lay the hand out flat: knuckles in an arch that falls away to the little finger, 90 mm
-// across, the middle finger along x, its tip 190 mm from the wrist.
+// Bases and angles of a flat hand: the knuckles form an arch that descends towards the little finger, 90 mm wide; the
+// middle finger is along x, with its tip 190 mm from the wrist.
 const std::array<Ray, 4> kFingers = {{
     {{28, 14, -1.5}, {68.12, 39.78, 22.38, 15.82, 3.84}, 9.7, -0.5, 6.5, -3, 2.5, 20, 17},
     {{33, 3.5, 0}, {64.60, 44.63, 26.33, 17.40, 3.95}, 0.3, 0, -2.2, -2.5, 2.5, 20, 17},
@@ -164,7 +163,7 @@ std::vector<Vec3> jointsOf(const Ray& ray) {
   double elevation = ray.finger_elevation, azimuth = ray.finger_azimuth;
   for (size_t bone = 1; bone <= 3; ++bone) {
     if (ray.lengths[bone] == 0) {
-      azimuth -= 7;  // the thumb's end turns in
+      azimuth -= 7;  // the end of the thumb points inwards
       continue;
     }
     const double length = ray.lengths[bone] + (bone == 3 ? ray.lengths[4] : 0);
@@ -175,12 +174,12 @@ std::vector<Vec3> jointsOf(const Ray& ray) {
 }
 
 const Vec3 kBack(0, 0, 1);
-const Vec3 kThumbBack = Vec3(-0.25, 0.70, 0.66);  // where the thumb's nail faces: half to the side
+const Vec3 kThumbBack = Vec3(-0.25, 0.70, 0.66);  // direction of the thumbnail, halfway to the side
 
 // ---------------------------------------------------------------------------------------------------------------------
 // The skin
 
-/// A joint's place along and off a loft's axis.
+/// A joint's position along a loft's axis and its offset from it.
 Section sectionAt(const Pose& hand_from_loft, const Vec3& joint, double side, double back, double palm) {
   const Vec3 place = hand_from_loft.inverse() * joint;
   return {place.x(), place.y(), place.z(), side, back, palm};
@@ -240,7 +239,7 @@ Loft thumbMetacarpalLoft() {
               9);
 }
 
-/// Wrist and palm, from behind the cut to the knuckles; the forearm continues its first section.
+/// Wrist and palm, from behind the cut to the knuckles; the forearm continues the first section.
 Loft palmLoft() {
   return Loft(Pose::Identity(),
               {{-40, -1, -1, 30, 19, 20},
@@ -252,7 +251,7 @@ Loft palmLoft() {
               10, 14, 0.002);
 }
 
-/// The muscles of the thumb's ball, of the little finger's edge, and the skin between thumb and index finger.
+/// The muscles at the base of the thumb and along the little finger's edge, and the skin between thumb and index finger.
 std::vector<Loft> palmMuscles() {
   const std::vector<Vec3> thumb = jointsOf(kThumb);
   const Pose ball = frameAlong({24, 15, -17}, thumb[1] - thumb[0], kThumbBack);
@@ -263,7 +262,7 @@ std::vector<Loft> palmMuscles() {
           Loft(web, {{0, 0, 0, 12, 8, 9}, {10, 0, 0, 13, 6.5, 8}, {20, 1, 0, 9, 4.5, 6}}, 14, 10)};
 }
 
-/// The cushion across the palm below the knuckles.
+/// The pad across the palm below the knuckles.
 Loft cushion() {
   std::vector<Vec3> places;
   for (const Ray& ray : kFingers) {
@@ -276,8 +275,7 @@ Loft cushion() {
   return Loft(frame, sections, 6, 6);
 }
 
-/// The webs between neighbouring fingers: short bodies from one to the next, a third of the first phalanx
-/// out.
+/// The webs between adjacent fingers: short bodies from one to the next, at a third of the first phalanx.
 std::vector<Loft> fingerWebs() {
   std::vector<Loft> webs;
   for (size_t f = 0; f + 1 < kFingers.size(); ++f) {
@@ -295,7 +293,7 @@ std::vector<Loft> fingerWebs() {
   return webs;
 }
 
-/// The whole hand as one implicit surface, and how near its parts are.
+/// The whole hand as an implicit surface, and the distances to its parts.
 class HandShape {
  public:
   HandShape() : palm_(palmLoft()), thumb_metacarpal_(thumbMetacarpalLoft()), thumb_(thumbLoft()) {
@@ -308,7 +306,7 @@ class HandShape {
     webs_ = fingerWebs();
   }
 
-  /// Of the five fingers, thumb first.
+  /// The distance to a finger; 0 is the thumb.
   double finger(int f, const Vec3& point) const {
     return f == 0 ? thumb_.distance(point) : fingers_[f - 1].distance(point);
   }
@@ -353,7 +351,7 @@ std::vector<Joint> skeleton() {
   const auto add_ray = [&](const Ray& ray, const Vec3& back) {
     const std::vector<Vec3> places = jointsOf(ray);
     for (size_t i = 0; i < places.size(); ++i) {
-      const size_t from = std::min(i, places.size() - 2);  // the tip lies as the last bone does
+      const size_t from = std::min(i, places.size() - 2);  // the tip has the last bone's orientation
       add(places[i], places[from + 1] - places[from], back);
     }
   };
@@ -367,13 +365,13 @@ double distanceToSegment(const Vec3& point, const Vec3& a, const Vec3& b) {
   return (point - a - t * (b - a)).norm();
 }
 
-/// A vertex follows the bones near it: by the inverse sixth power of the distance, which hands over within a
-/// finger's breadth of a joint. Phalanges hold only the skin of their own finger.
+/// A vertex follows the bones near it, weighted by the inverse sixth power of the distance, so that the transition at a
+/// joint is about a finger's breadth wide. Phalanges move only the skin of their own finger.
 SkinWeights weightsAt(const Vec3& point, const HandShape& shape, const std::vector<Joint>& joints) {
   const auto place = [&](int j) { return Vec3(joints[j].hand_from_joint_rest.translation() / kMetresPerMm); };
-  std::array<double, 6> share;  // of the five fingers and of the palm
-  for (int f = 0; f < 5; ++f) share[f] = 1 - smoothStep(1, 6, shape.finger(f, point));
-  share[5] = std::max(1 - smoothStep(1, 6, shape.palm(point)), 1e-6);
+  std::array<double, 6> membership;  // in the five fingers and the palm
+  for (int f = 0; f < 5; ++f) membership[f] = 1 - smoothStep(1, 6, shape.finger(f, point));
+  membership[5] = std::max(1 - smoothStep(1, 6, shape.palm(point)), 1e-6);
   std::vector<std::pair<double, int>> held;
   for (int j = 0; j < int(joints.size()); ++j) {
     const bool is_wrist = j == 0,
@@ -382,7 +380,7 @@ SkinWeights weightsAt(const Vec3& point, const HandShape& shape, const std::vect
     const Vec3 from = place(j), to = is_wrist ? Vec3(-40, 0, 0) : place(j + 1);
     const int finger = j < 5 ? 0 : j / 5 - 0;
     const bool is_phalanx = !is_wrist && joints[j].parent != 0;
-    const double group = is_phalanx ? share[j < 5 ? 0 : finger] : share[5];
+    const double group = is_phalanx ? membership[j < 5 ? 0 : finger] : membership[5];
     held.emplace_back(group * std::pow(std::max(distanceToSegment(point, from, to), 1.), -6), j);
   }
   std::partial_sort(held.begin(), held.begin() + 4, held.end(), std::greater<>());
@@ -396,8 +394,8 @@ SkinWeights weightsAt(const Vec3& point, const HandShape& shape, const std::vect
   return weights;
 }
 
-/// The net's cells along the hand shrink evenly, from 6 mm at the wrist to 4 at the fingertips, which are
-/// rounder.
+/// Maps net coordinates so that cells shrink linearly along the hand, from 6 mm at the wrist to 4 mm at the fingertips,
+/// which have more curvature.
 Vec3 spread(const Vec3& point_in_net) {
   constexpr double kBegin = -19, kLength = 215;
   const double x = point_in_net.x();
@@ -429,7 +427,7 @@ HandModel builtInHand(bool left) {
     mirror(hand.skin);
     const Eigen::DiagonalMatrix<double, 3> flip(1, -1, 1), turn(-1, 1, 1);
     for (Joint& joint :
-         hand.joints) {  // the standard's frame, right-handed, on the mirrored bone: x turns round
+         hand.joints) {  // x is reversed, so that the standard's frame on the mirrored bone stays right-handed
       joint.hand_from_joint_rest.linear() = flip * joint.hand_from_joint_rest.linear() * turn;
       joint.hand_from_joint_rest.translation().y() *= -1;
     }
@@ -446,7 +444,7 @@ TriangleMesh builtInForearm(bool left) {
        {-80, -1, -2, 35, 25, 28},
        {-40, -1, -1, 30.5, 19.5, 21},
        {-14, -1, -1, 29.5, 19, 20},
-       {-4, -1, -1, 28.7, 18.3, 19.3}},  // inside the hand, so that no groove shows at its edge
+       {-4, -1, -1, 28.7, 18.3, 19.3}},  // inside the hand, so that there is no visible groove at its edge
       22, 7);
   const NetGrid grid{{-246, -60, -56}, {9, 8, 8}, {29, 15, 14}};
   TriangleMesh mesh = surfaceNet([&](const Vec3& point) { return forearm.distance(point); }, grid);

@@ -12,7 +12,7 @@
 #include "engine/core/error.h"
 #include "engine/hand/hand_model.h"
 
-#define TINYGLTF_NO_STB_IMAGE  // textures are of no use here
+#define TINYGLTF_NO_STB_IMAGE  // textures are ignored
 #define TINYGLTF_NO_STB_IMAGE_WRITE
 #include <tiny_gltf.h>
 
@@ -22,12 +22,12 @@ namespace {
 constexpr std::uintmax_t kMaxFileBytes =
     64u << 20;  // a rigged hand of 100,000 triangles has 5 MB without its images
 constexpr size_t kMaxTriangles = 1'000'000;
-constexpr double kMaxCoordinate = 1e6;  // beyond this a file is damaged; it also keeps products finite
-constexpr double kMinVolume = 1e-18;    // m³: a cube of a micrometre; less is flat
+constexpr double kMaxCoordinate = 1e6;  // more indicates a damaged file; also keeps products finite
+constexpr double kMinVolume = 1e-18;    // m³: a cube of a micrometre; less counts as flat
 
 using Accessor = tinygltf::Accessor;
 
-/// A file being read: what every step needs, and how it fails.
+/// A parsed file and its path for error messages.
 struct File {
   std::filesystem::path path;
   tinygltf::Model model;
@@ -42,14 +42,14 @@ bool skipImage(tinygltf::Image*, const int, std::string*, std::string*, int, int
   return true;
 }
 
-/// A glTF binary holds its buffers: other files are not opened, so that their size cannot matter.
+/// File callbacks that open no files: a glTF binary contains its buffers.
 tinygltf::FsCallbacks noFiles() {
   tinygltf::FsCallbacks callbacks{};
   callbacks.FileExists = [](const std::string&, void*) { return false; };
   callbacks.ExpandFilePath = [](const std::string& name, void*) { return name; };
   callbacks.ReadWholeFile = [](std::vector<unsigned char>*, std::string* error, const std::string& name,
                                void*) {
-    *error += "the buffer " + name + " lies outside the file; export one glTF binary";
+    *error += "the buffer " + name + " is outside the file; export a single glTF binary";
     return false;
   };
   callbacks.WriteWholeFile = [](std::string*, const std::string&, const std::vector<unsigned char>&, void*) {
@@ -61,17 +61,17 @@ tinygltf::FsCallbacks noFiles() {
 std::vector<unsigned char> readBytes(const File& file) {
   std::error_code status;
   if (!std::filesystem::is_regular_file(file.path, status))
-    file.fail("no such file; give right, left or a .glb file");
+    file.fail("no such file; expected right, left or a .glb file");
   const std::uintmax_t size = std::filesystem::file_size(file.path, status);
   if (status) file.fail("cannot be read: " + status.message());
   if (size > kMaxFileBytes)
-    file.fail(std::to_string(size >> 20) + " MB; a hand model has at most " +
+    file.fail("the file has " + std::to_string(size >> 20) + " MB; expected at most " +
               std::to_string(kMaxFileBytes >> 20));
   std::vector<unsigned char> bytes(size);
   std::ifstream stream(file.path, std::ios::binary);
   if (!stream.read(reinterpret_cast<char*>(bytes.data()), std::streamsize(size))) file.fail("cannot be read");
   if (size < 20 || std::memcmp(bytes.data(), "glTF", 4) != 0)
-    file.fail("not a glTF binary (it does not begin with glTF); export the hand as .glb");
+    file.fail("not a glTF binary (it does not start with glTF); export the hand as .glb");
   return bytes;
 }
 
@@ -84,8 +84,8 @@ void parse(File& file) {
   bool read = false;
   try {
     read = reader.LoadBinaryFromMemory(&file.model, &error, &warning, bytes.data(), unsigned(bytes.size()));
-  } catch (const std::exception& fault) {
-    error = fault.what();
+  } catch (const std::exception& exception) {
+    error = exception.what();
   }
   if (read) return;
   std::replace(error.begin(), error.end(), '\n', ' ');
@@ -93,7 +93,7 @@ void parse(File& file) {
   file.fail("damaged glTF binary: " + (error.empty() ? "unreadable" : error));
 }
 
-/// Elements of an accessor as numbers, every range checked at construction [3.6.2].
+/// Elements of an accessor as numbers; the constructor checks every range [3.6.2].
 class Elements {
  public:
   Elements(const File& file, int accessor, int type, const std::string& what) {
@@ -117,14 +117,14 @@ class Elements {
     if (!view_fits || accessor_->count == 0 || accessor_->byteOffset > view.byteLength ||
         element_bytes > view.byteLength - accessor_->byteOffset || stride_ < element_bytes ||
         accessor_->count - 1 > (view.byteLength - accessor_->byteOffset - element_bytes) / stride_)
-      file.fail(what + ": the accessor reaches past its buffer, or is empty");
+      file.fail(what + ": the accessor extends beyond its buffer, or is empty");
     first_ = data.data() + view.byteOffset + accessor_->byteOffset;
   }
 
   size_t size() const { return accessor_->count; }
   int componentType() const { return accessor_->componentType; }
 
-  /// Component `c` of element `i`; normalized integers as [3.6.2.2] says.
+  /// Component `c` of element `i`; normalized integers as in [3.6.2.2].
   double at(size_t i, size_t c = 0) const {
     const unsigned char* bytes = first_ + i * stride_ + c * component_bytes_;
     switch (accessor_->componentType) {
@@ -159,7 +159,7 @@ Eigen::Affine3d localTransform(const tinygltf::Node& node) {
   Eigen::Affine3d transform = Eigen::Affine3d::Identity();
   if (node.matrix.size() == 16) {
     transform.matrix() =
-        Eigen::Map<const Eigen::Matrix4d>(node.matrix.data());  // column by column, as Eigen's
+        Eigen::Map<const Eigen::Matrix4d>(node.matrix.data());  // column-major, like Eigen
     return transform;
   }
   if (node.translation.size() == 3) transform.translate(Eigen::Map<const Vec3>(node.translation.data()));
@@ -185,12 +185,12 @@ std::vector<int> nodeParents(const File& file) {
   return parents;
 }
 
-/// Where a node stands in the scene [3.5.2].
+/// A node's global transform [3.5.2].
 Eigen::Affine3d sceneFromNode(const File& file, const std::vector<int>& parents, int node) {
   Eigen::Affine3d scene_from_node = Eigen::Affine3d::Identity();
   size_t steps = 0;
   for (int n = node; n >= 0; n = parents[n]) {
-    if (++steps > parents.size()) file.fail("node " + std::to_string(node) + ": among its own ancestors");
+    if (++steps > parents.size()) file.fail("node " + std::to_string(node) + ": it is its own ancestor");
     scene_from_node = localTransform(file.model.nodes[n]) * scene_from_node;
   }
   if (!scene_from_node.matrix().allFinite() ||
@@ -199,12 +199,12 @@ Eigen::Affine3d sceneFromNode(const File& file, const std::vector<int>& parents,
   return scene_from_node;
 }
 
-/// The skin's joints: which of kJointNames each one moves with, and how it carries vertices.
+/// The skin's joints: the joint of kJointNames that each one follows, and its transform of vertices.
 struct FileSkin {
   int index = -1;
-  std::vector<int> hand_joints;                   // by the skin's order
+  std::vector<int> hand_joints;                   // in the skin's order
   std::vector<Eigen::Affine3d> scene_from_bound;  // joint_world * inverse_bind
-  std::array<int, 25> nodes{};                    // by kJointNames' order
+  std::array<int, 25> nodes{};                    // in the order of kJointNames
 };
 
 int jointByName(const std::string& name) {
@@ -212,13 +212,13 @@ int jointByName(const std::string& name) {
   return found == kJointNames.end() ? -1 : int(found - kJointNames.begin());
 }
 
-/// The first skin that has the wrist, or else the first; its joints must bear all 25 names.
+/// The first skin that has the wrist, otherwise the first skin; its joints must include all 25 names.
 FileSkin findSkin(const File& file, const std::vector<int>& parents) {
   const tinygltf::Model& model = file.model;
   if (model.skins.empty()) file.fail("no skin; export the hand with its armature");
   for (const tinygltf::Skin& skin : model.skins)
     for (const int node : skin.joints)
-      if (node < 0 || size_t(node) >= model.nodes.size()) file.fail("a skin's joint is no node");
+      if (node < 0 || size_t(node) >= model.nodes.size()) file.fail("a skin's joint is not a node");
   const auto has_wrist = [&](const tinygltf::Skin& skin) {
     return std::any_of(skin.joints.begin(), skin.joints.end(),
                        [&](int node) { return model.nodes[node].name == kJointNames[0]; });
@@ -251,8 +251,7 @@ FileSkin findSkin(const File& file, const std::vector<int>& parents) {
         joint_from_bound.matrix().cwiseAbs().maxCoeff() > kMaxCoordinate)
       file.fail("inverseBindMatrices: not finite");
     result.scene_from_bound.push_back(sceneFromNode(file, parents, skin.joints[i]) * joint_from_bound);
-    // A joint that the standard doesn't know (a twist bone, a palm) moves with the nearest one above that it
-    // knows.
+    // A joint that is not in the standard (a twist bone, a palm) follows its nearest ancestor that is.
     int node = skin.joints[i];
     while (node >= 0 && jointByName(model.nodes[node].name) < 0) node = parents[node];
     result.hand_joints.push_back(node < 0 ? 0 : jointByName(model.nodes[node].name));
@@ -274,8 +273,8 @@ std::vector<Joint> readSkeleton(const File& file, const std::vector<int>& parent
   return joints;
 }
 
-/// Adds primitives to a hand; vertices at the same place in the file become one, or seams of the texture
-/// would be cuts in the skin.
+/// Adds primitives to a hand. Merges vertices with the same position, because texture seams would otherwise be cuts in
+/// the skin.
 class SkinBuilder {
  public:
   SkinBuilder(const File& file, const FileSkin& skin, HandModel& hand)
@@ -285,14 +284,14 @@ class SkinBuilder {
     if (primitive.mode != -1 && primitive.mode != TINYGLTF_MODE_TRIANGLES)
       file_.fail("a primitive of points, lines or strips; export triangles");
     const Elements positions(file_, attribute(primitive, "POSITION"), TINYGLTF_TYPE_VEC3, "POSITION");
-    if (positions.componentType() != TINYGLTF_COMPONENT_TYPE_FLOAT) file_.fail("POSITION: not of floats");
+    if (positions.componentType() != TINYGLTF_COMPONENT_TYPE_FLOAT) file_.fail("POSITION: not floats");
     if (positions.size() > 3 * kMaxTriangles) file_.fail("more than 3 million vertices");
     const std::vector<int> vertices = addVertices(primitive, positions);
     if (primitive.indices < 0) {
       addTriangles(vertices, positions.size(), [](size_t i) { return double(i); });
     } else {
       const Elements indices(file_, primitive.indices, TINYGLTF_TYPE_SCALAR, "indices");
-      if (indices.componentType() == TINYGLTF_COMPONENT_TYPE_FLOAT) file_.fail("indices: not of integers");
+      if (indices.componentType() == TINYGLTF_COMPONENT_TYPE_FLOAT) file_.fail("indices: not integers");
       addTriangles(vertices, indices.size(), [&](size_t i) { return indices.at(i); });
     }
   }
@@ -304,7 +303,7 @@ class SkinBuilder {
   }
 
   std::vector<int> addVertices(const tinygltf::Primitive& primitive, const Elements& positions) {
-    std::vector<Elements> joints, weights;  // JOINTS_0, WEIGHTS_0; more where a vertex has more than four
+    std::vector<Elements> joints, weights;  // JOINTS_0, WEIGHTS_0; more sets if vertices have over four joints
     for (int set = 0; set == 0 || attribute(primitive, "JOINTS_" + std::to_string(set)) >= 0; ++set) {
       const std::string joints_name = "JOINTS_" + std::to_string(set),
                         weights_name = "WEIGHTS_" + std::to_string(set);
@@ -331,7 +330,7 @@ class SkinBuilder {
                  const std::vector<Elements>& weights) {
     Vec3 sum = Vec3::Zero();
     double total = 0;
-    std::map<int, double> held;  // by kJointNames' order
+    std::map<int, double> held;  // by index in kJointNames
     for (size_t i = 0; i < 4 * joints.size(); ++i) {
       const double joint = joints[i / 4].at(v, i % 4), weight = weights[i / 4].at(v, i % 4);
       if (!(weight >= 0 && weight <= 1.001))
@@ -365,7 +364,7 @@ class SkinBuilder {
 
   template <typename IndexAt>
   void addTriangles(const std::vector<int>& vertices, size_t corners, IndexAt index_at) {
-    if (corners % 3 != 0) file_.fail("a number of indices that three does not divide");
+    if (corners % 3 != 0) file_.fail("the number of indices is not a multiple of three");
     if (hand_.skin.triangles.size() + corners / 3 > kMaxTriangles)
       file_.fail("more than a million triangles");
     for (size_t i = 0; i < corners; i += 3) {
@@ -410,7 +409,7 @@ HandModel readHandModel(const std::filesystem::path& path) {
   if (hand.skin.triangles.empty()) file.fail("no mesh is bound to the skin");
   const double volume_m3 = massProperties(hand.skin).volume_m3;
   if (!(std::abs(volume_m3) > kMinVolume)) file.fail("the skin encloses no volume");
-  if (volume_m3 < 0)  // a mirrored rig: turn the skin's outside out
+  if (volume_m3 < 0)  // a mirrored rig: reverse the triangles
     for (auto& triangle : hand.skin.triangles) std::swap(triangle[1], triangle[2]);
   hand.cut_patches = cutPatches(hand.joints, hand.skin);
   return hand;

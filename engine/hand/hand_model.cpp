@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The hand model's skeleton by the WebXR and OpenXR standards, and its skin by linear blend skinning.
+// The hand skeleton of the WebXR standard, and linear blend skinning.
 #include "engine/hand/hand_model.h"
 
 #include <cmath>
@@ -58,10 +58,11 @@ std::vector<char> cutPatches(const std::vector<Joint>& joints, const TriangleMes
 TriangleMesh posedSkin(const HandModel& hand, const std::vector<Vec3>& joint_angles) {
   if (joint_angles.empty()) return hand.skin;
   if (joint_angles.size() != hand.joints.size())
-    throw Error("hand " + hand.name + ": " + std::to_string(joint_angles.size()) +
-                " joint angles where it has " + std::to_string(hand.joints.size()) + " joints");
+    throw Error("hand " + hand.name + ": got " + std::to_string(joint_angles.size()) +
+                " joint angles; expected one for each of its " + std::to_string(hand.joints.size()) +
+                " joints");
   std::vector<Pose> hand_from_joint(hand.joints.size());
-  std::vector<Pose> posed_from_rest(hand.joints.size());  // of what hangs on the joint, in the hand's frame
+  std::vector<Pose> posed_from_rest(hand.joints.size());  // of the parts attached to the joint, hand frame
   for (size_t j = 0; j < hand.joints.size(); ++j) {
     const Joint& joint = hand.joints[j];
     Pose joint_from_turned = Pose::Identity();

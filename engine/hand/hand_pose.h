@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The pose of a hand: where it is, and how its joints are bent.
+// The pose of a hand: root transform and joint angles.
 #pragma once
 
 #include <vector>
@@ -16,12 +16,12 @@ struct HandPose {
   std::vector<Vec3> joint_angles;
 };
 
-/// Rotation of a pose in device memory, normalized.
+/// The rotation of a pose in device memory, normalized.
 inline Eigen::Quaterniond rotationOf(const GpuHandPose& pose) {
   return Eigen::Quaterniond(Eigen::Vector4d(pose.rotation.cast<double>())).normalized();
 }
 
-/// What a pose in device memory is relative to.
+/// The reference points of poses in device memory.
 struct HandPoseFrame {
   Vec3 center_of_mass = Vec3::Zero();    ///< of the hand model, hand frame, metres
   Vec3 workspace_center = Vec3::Zero();  ///< world, metres
@@ -29,7 +29,7 @@ struct HandPoseFrame {
 
 /// The pose for the kernels, marked as tracked. \pre at most kMaxHandJoints joint angles
 GpuHandPose gpuHandPose(const HandPose& pose, const HandPoseFrame& frame);
-/// The inverse. Joint angles that are all zero are the rest pose.
+/// The inverse of gpuHandPose(). Joint angles that are all zero become the rest pose (empty).
 HandPose handPose(const GpuHandPose& pose, const HandPoseFrame& frame);
 
 }  // namespace airclay

@@ -10,28 +10,28 @@
 namespace airclay {
 namespace {
 
-// A hand moves less than this between two frames, plus the interpolation's border.
-constexpr double kReachAround = 0.03;  // m
-// Orientations of the coarse search: neighbours are about 25° apart, and the fit pulls in from half of that.
+// The hand's largest motion between two frames, including the border for interpolation.
+constexpr double kMaxMotion_m = 0.03;  // m
+// Orientations of the coarse search. Adjacent ones are about 25° apart, and the fit converges from half of that.
 constexpr int kCoarseRotations = 600;
 constexpr int kCoarseIterations = 12;
-constexpr int kThinning = 8;  // every eighth patch: some 300 say enough about 25°
+constexpr int kThinning = 8;  // every eighth patch: about 300 suffice to distinguish 25°
 constexpr std::size_t kMiddleCandidates = 40, kFineCandidates = 8;
-// Nearer than this, two candidates are one.
-constexpr double kSamePlace = 0.005, kSameTurn = 0.05;
+// Candidates closer than this count as one.
+constexpr double kSamePosition_m = 0.005, kSameRotation_rad = 0.05;
 constexpr int kMaxFits = 3 * kCoarseRotations;
-// A search is many short submissions, so that a window can draw between them: as many fits as take about this
-// long. The results do not depend on it.
-constexpr double kSliceMs = 8;
+// A search consists of many short submissions, so that a window can draw in between; each has as many fits as take about
+// this long. The results do not depend on it.
+constexpr double kSlice_ms = 8;
 constexpr std::size_t kFirstSlice = 2;
-// Patches farther outside than this on average, and the hand is not there; a good fit has a tenth of a cell.
-constexpr double kLostCells = 0.4, kLostMetres = 0.002;
-// What is left uncovered weighs, in metres of outside distance, so much when all is: a flipped hand leaves a
-// third uncovered, and sticks out by a few tenths of a millimetre more or less.
-constexpr double kUncoveredMetres = 0.004;
+// The hand counts as lost if its patches are farther outside than this on average; a good fit has a tenth of a cell.
+constexpr double kLostCells = 0.4, kLostDistance_m = 0.002;
+// The weight of a completely uncovered voxel model in the score, in metres of outside distance. A flipped hand leaves a
+// third uncovered, but changes the outside distance by only a few tenths of a millimetre.
+constexpr double kUncoveredWeight_m = 0.004;
 
 double score(const GpuFit& fit, double uncovered) {
-  return fit.outside_m + kUncoveredMetres * uncovered;
+  return fit.outside_m + kUncoveredWeight_m * uncovered;
 }
 
 Eigen::Quaterniond rotationOf(const GpuFit& fit) {
@@ -47,7 +47,7 @@ GpuFit startAt(const Eigen::Quaterniond& rotation, const Vec3& position) {
 
 }  // namespace
 
-std::vector<Eigen::Quaterniond> spreadRotations(int count) {
+std::vector<Eigen::Quaterniond> uniformRotations(int count) {
   const double phi = std::sqrt(2.0), psi = 1.533751168755204288118041;  // the article's constants
   std::vector<Eigen::Quaterniond> rotations;
   for (int i = 0; i < count; ++i) {
@@ -64,7 +64,7 @@ FieldGrid gridAround(const Carver& carver, const FitModel& model, const GpuHandP
   Eigen::AlignedBox3d box;
   for (const GpuPatch& patch : model.patches) box.extend(Vec3(turn * patch.center.cast<double>()));
   return placeField(carver, pose.position.cast<double>() + box.center(),
-                    0.5 * box.sizes() + Vec3::Constant(kReachAround));
+                    0.5 * box.sizes() + Vec3::Constant(kMaxMotion_m));
 }
 
 HandTracker::HandTracker(Gpu& gpu, const GpuRig& rig, const HandModel& hand, const Carver& carver)
@@ -75,7 +75,7 @@ HandTracker::HandTracker(Gpu& gpu, const GpuRig& rig, const HandModel& hand, con
       coarse_fitter_(gpu, thinned(fitter_.model(), kThinning)),
       choose_(gpu, "fit_choose", fit_choose_comp),
       field_(gpu),
-      // 5 mm: it only tells covered cells of a centimetre from uncovered ones
+      // 5 mm: only distinguishes covered from uncovered cells of a centimetre
       hand_distance_(signedDistanceGrid(hand.skin, 0.005, 0.02)),
       fits_(gpu, kMaxFits, Memory::kHost),
       result_(gpu, 1, Memory::kHost),
@@ -85,7 +85,7 @@ HandTracker::HandTracker(Gpu& gpu, const GpuRig& rig, const HandModel& hand, con
   for (const Vec3& vertex : hand.skin.vertices) box.extend(vertex);
   hand_low_ = box.min();
   hand_high_ = box.max();
-  // a hull is larger than its hand; half the hand's volume is a hand that is just coming in
+  // a hull is larger than its hand; half the hand's volume is a hand that is just entering
   const double hand_m3 = massProperties(hand.skin).volume_m3;
   min_occupied_ =
       static_cast<std::uint32_t>(std::max(1.0, 0.5 * hand_m3 / std::pow(carver.voxelMetres(), 3)));
@@ -103,7 +103,7 @@ FitChooseArgs HandTracker::chooseArgs(std::uint32_t count, double cell_m) const 
   args.hand = hands_;
   args.count = count;
   args.min_occupied = min_occupied_;
-  args.lost_outside_m = static_cast<float>(std::max(kLostMetres, kLostCells * cell_m));
+  args.lost_outside_m = static_cast<float>(std::max(kLostDistance_m, kLostCells * cell_m));
   return args;
 }
 
@@ -111,7 +111,7 @@ void HandTracker::recordTracking(Recorder& recorder) {
   std::uint32_t count = 1;
   fits_.host()[0] = last_;
   if (frames_ >= 2) {
-    // the same motion once more
+    // the last motion repeated
     const Eigen::Quaterniond turn = rotationOf(last_) * rotationOf(before_last_).conjugate();
     const Vec3 position = last_.pose.position.cast<double>(),
                before = before_last_.pose.position.cast<double>();
@@ -158,35 +158,35 @@ std::vector<Vec3> HandTracker::occupiedCells(const FieldGrid& grid) const {
 double HandTracker::uncovered(const GpuFit& fit, const std::vector<Vec3>& cells, double cell_m) const {
   const Mat3 hand_from_workspace = rotationOf(fit).normalized().toRotationMatrix().transpose();
   const Vec3 position = fit.pose.position.cast<double>();
-  int near = 0, bare = 0;
+  int near = 0, uncovered_cells = 0;
   for (const Vec3& cell : cells) {
     const Vec3 in_hand = hand_from_workspace * (cell - position) + model().center_of_mass;
     if ((in_hand.array() < hand_low_.array() - cell_m).any() ||
         (in_hand.array() > hand_high_.array() + cell_m).any())
       continue;
     ++near;
-    bare += sample(hand_distance_, in_hand) > cell_m;
+    uncovered_cells += sample(hand_distance_, in_hand) > cell_m;
   }
-  return near > 0 ? double(bare) / near : 1;
+  return near > 0 ? double(uncovered_cells) / near : 1;
 }
 
-void HandTracker::keepBest(std::vector<Candidate>& candidates, const std::vector<Vec3>& cells, double cell_m,
+void HandTracker::selectBest(std::vector<Candidate>& candidates, const std::vector<Vec3>& cells, double cell_m,
                            std::size_t count) const {
   for (Candidate& candidate : candidates) candidate.uncovered = uncovered(candidate.fit, cells, cell_m);
   std::stable_sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
     return score(a.fit, a.uncovered) < score(b.fit, b.uncovered);
   });
-  // many starts end in the same pose: one of them is enough
-  std::vector<Candidate> kept;
+  // many starts converge to the same pose, of which one is enough
+  std::vector<Candidate> selected;
   for (const Candidate& candidate : candidates) {
-    const bool new_pose = std::none_of(kept.begin(), kept.end(), [&](const Candidate& other) {
-      return (candidate.fit.pose.position - other.fit.pose.position).norm() < kSamePlace &&
-             rotationOf(candidate.fit).angularDistance(rotationOf(other.fit)) < kSameTurn;
+    const bool new_pose = std::none_of(selected.begin(), selected.end(), [&](const Candidate& other) {
+      return (candidate.fit.pose.position - other.fit.pose.position).norm() < kSamePosition_m &&
+             rotationOf(candidate.fit).angularDistance(rotationOf(other.fit)) < kSameRotation_rad;
     });
-    if (new_pose) kept.push_back(candidate);
-    if (kept.size() == count) break;
+    if (new_pose) selected.push_back(candidate);
+    if (selected.size() == count) break;
   }
-  candidates = std::move(kept);
+  candidates = std::move(selected);
 }
 
 std::vector<GpuFit> HandTracker::starts(const std::vector<Candidate>& candidates) {
@@ -201,11 +201,11 @@ std::vector<GpuFit> HandTracker::searchStarts(const std::vector<Vec3>& cells) co
   Mat3 spread = Mat3::Zero();
   for (const Vec3& cell : cells) spread += (cell - mean) * (cell - mean).transpose() / double(cells.size());
   const Eigen::SelfAdjointEigenSolver<Mat3> axes(spread);
-  // a hand at the end of an arm lies about a deviation and a half from the middle
+  // a hand at the end of an arm is about 1.4 standard deviations from the centroid
   const Vec3 along = 1.4 * std::sqrt(axes.eigenvalues()[2]) * axes.eigenvectors().col(2);
   std::vector<GpuFit> fits;
   for (const Vec3& position : {mean, Vec3(mean + along), Vec3(mean - along)})
-    for (const Eigen::Quaterniond& rotation : spreadRotations(kCoarseRotations))
+    for (const Eigen::Quaterniond& rotation : uniformRotations(kCoarseRotations))
       fits.push_back(startAt(rotation, position));
   return fits;
 }
@@ -234,7 +234,7 @@ std::vector<HandTracker::Candidate> HandTracker::fitAll(Recorder& recorder, Fitt
     addStages(recorder.stageMs(), stage_ms);
     for (std::size_t i = 0; i < count; ++i) candidates.push_back({fits_.host()[i], 0});
     const double slice_ms = std::max(recorder.stageMs().front().second, 0.1);
-    slice = std::clamp<std::size_t>(std::size_t(double(count) * kSliceMs / slice_ms), 1, kMaxFits);
+    slice = std::clamp<std::size_t>(std::size_t(double(count) * kSlice_ms / slice_ms), 1, kMaxFits);
   }
   return candidates;
 }
@@ -251,17 +251,17 @@ bool HandTracker::search(Recorder& recorder, StageTimes& stage_ms) {
 
   std::vector<Candidate> candidates =
       fitAll(recorder, coarse_fitter_, grid, searchStarts(cells), kCoarseIterations, stage_ms);
-  keepBest(candidates, cells, grid.cell_m, kMiddleCandidates);
+  selectBest(candidates, cells, grid.cell_m, kMiddleCandidates);
   candidates = fitAll(recorder, fitter_, grid, starts(candidates), FitLimits{}.iterations, stage_ms);
-  keepBest(candidates, cells, grid.cell_m, kFineCandidates);
+  selectBest(candidates, cells, grid.cell_m, kFineCandidates);
 
-  // around the best, in cells as small as a box for any turn of the hand allows; the others are mostly the
-  // same place turned
+  // around the best, in the smallest cells that cover the hand in any orientation; the other candidates are mostly at
+  // the same position
   const FieldGrid fine = placeField(carver_, candidates.front().fit.pose.position.cast<double>(),
-                                    Vec3::Constant(model().radius_m + kReachAround));
+                                    Vec3::Constant(model().radius_m + kMaxMotion_m));
   recordField(recorder, fine, stage_ms);
   candidates = fitAll(recorder, fitter_, fine, starts(candidates), FitLimits{}.iterations, stage_ms);
-  keepBest(candidates, cells, grid.cell_m, 1);
+  selectBest(candidates, cells, grid.cell_m, 1);
   last_ = candidates.front().fit;
   has_pose_ = true;
   frames_ = 0;

@@ -309,15 +309,15 @@ TEST_F(HandFile, RejectsInvalidFilesWithTheReason) {
   EXPECT_TRUE(contains(errorOf({.doubled_joint = "wrist"}), "two joints are named wrist"));
   EXPECT_TRUE(contains(errorOf({.without_skin = true}), "no skin"));
   EXPECT_TRUE(contains(errorOf({.sparse = true}), "sparse"));
-  EXPECT_TRUE(contains(errorOf({.nested = true, .looped_nodes = true}), "own ancestors"));
+  EXPECT_TRUE(contains(errorOf({.nested = true, .looped_nodes = true}), "its own ancestor"));
   EXPECT_TRUE(
       contains(errorOf({.first_coordinate = std::numeric_limits<double>::quiet_NaN()}), "not finite"));
   EXPECT_TRUE(contains(errorOf({.last_index = 24}), "index 24 out of range"));
   EXPECT_TRUE(
       contains(errorOf({.index_type = 5125, .last_index = 4000000000u}), "index 4000000000 out of range"));
   EXPECT_TRUE(contains(errorOf({.first_joint = 25}), "joint index out of range"));
-  EXPECT_TRUE(contains(errorOf({.accessor_count = 25}), "reaches past"));
-  EXPECT_TRUE(contains(errorOf({.accessor_count = 4611686018427387904}), "reaches past"));
+  EXPECT_TRUE(contains(errorOf({.accessor_count = 25}), "extends beyond"));
+  EXPECT_TRUE(contains(errorOf({.accessor_count = 4611686018427387904}), "extends beyond"));
   EXPECT_TRUE(
       contains(errorOf({.accessor_count = 20}), "out of range"));  // fewer vertices than the indices use
   EXPECT_TRUE(contains(errorOfBytes("solid stl, not a hand"), "not a glTF binary"));

@@ -30,15 +30,15 @@ double cutoff(const OneEuroOptions& options, double speed_m_s) {
          options.cutoff_hz_per_m_s * speed_m_s * speed_m_s / (speed_m_s + options.tremor_m_s);
 }
 double turnCutoff(const OneEuroOptions& options, double speed_rad_s) {
-  return options.turn_rest_cutoff_hz +
-         options.turn_cutoff_hz_per_rad_s * speed_rad_s * speed_rad_s / (speed_rad_s + options.tremor_rad_s);
+  return options.rotation_rest_cutoff_hz +
+         options.rotation_cutoff_hz_per_rad_s * speed_rad_s * speed_rad_s / (speed_rad_s + options.tremor_rad_s);
 }
 
 /// The same cutoff at any speed.
 OneEuroOptions fixedCutoff(double hz) {
   OneEuroOptions options;
-  options.rest_cutoff_hz = options.turn_rest_cutoff_hz = hz;
-  options.cutoff_hz_per_m_s = options.turn_cutoff_hz_per_rad_s = 0;
+  options.rest_cutoff_hz = options.rotation_rest_cutoff_hz = hz;
+  options.cutoff_hz_per_m_s = options.rotation_cutoff_hz_per_rad_s = 0;
   return options;
 }
 
@@ -104,7 +104,7 @@ TEST(OneEuro, FollowsManyRevolutions) {
       const Pose smooth = filter.filter(time_s, at(Vec3::Zero(), turned(time_s)));
       if (time_s < 15) continue;  // settled after twelve seconds
       EXPECT_LT(angleBetween(smooth.linear(), turned(time_s - lag_s)), 1e-6);
-      EXPECT_NEAR(filter.turnLatencyS(), lag_s, 1e-8);
+      EXPECT_NEAR(filter.rotationLatencyS(), lag_s, 1e-8);
     }
   }
 }

@@ -62,7 +62,7 @@ double reach(const HandModel& hand, const Pose& world_from_hand) {
 }
 
 TEST(Tracker, SearchRotationsCoverAllOrientations) {
-  const std::vector<Eigen::Quaterniond> rotations = spreadRotations(600);
+  const std::vector<Eigen::Quaterniond> rotations = uniformRotations(600);
   ASSERT_EQ(rotations.size(), 600u);
   std::mt19937 random(3);
   double largest_gap = 0, sum = 0;
