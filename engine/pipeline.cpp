@@ -29,21 +29,21 @@ struct Pipeline::Parts {
   Parts(Gpu& gpu_, const Rig& rig, const HandModel& hand_model, const PipelineOptions& options,
         const std::optional<ClayState>& clay_state)
       : gpu(gpu_),
-        seen_frames(gpu, options.time_every),
-        given_frames(gpu, options.time_every),
+        camera_timing(gpu, options.time_every),
+        replay_timing(gpu, options.time_every),
         hand(hand_model),
         gpu_rig(gpu, rig),
         images(gpu, gpu_rig.imageWords(), Memory::kHost),
         silhouettes(gpu, gpu_rig),
         carver(gpu, gpu_rig, options.voxels),
         tracker(gpu, gpu_rig, hand, carver),
-        given_hands(gpu, kMaxHands, Memory::kHost),
+        replay_hands(gpu, kMaxHands, Memory::kHost),
         recorder(gpu) {
     if (clay_state) setClay(prepareClay(*clay_state));
   }
 
   Gpu& gpu;
-  TimingPlan seen_frames, given_frames;
+  TimingPlan camera_timing, replay_timing;
   HandModel hand;
   GpuRig gpu_rig;
   Buffer<std::uint32_t> images;
@@ -53,9 +53,9 @@ struct Pipeline::Parts {
   std::unique_ptr<Clay> clay;
   std::unique_ptr<Sculptor> sculptor;
   std::optional<DistanceGrid> contact_grid;  ///< of the hand, once there is clay
-  Buffer<GpuHandPose> given_hands;
-  bool background_changed = false;  ///< since its model was made
-  bool hand_was_given = false;      ///< in the last frame
+  Buffer<GpuHandPose> replay_hands;
+  bool background_changed = false;  ///< since its model was computed
+  bool hand_was_replayed = false;   ///< the last frame was sculptWith()
   Recorder recorder;
 
   std::unique_ptr<PreparedClay> prepareClay(const ClayState& state) {
@@ -63,12 +63,12 @@ struct Pipeline::Parts {
     return std::make_unique<PreparedClay>(gpu, state, gpu_rig.rig().workspace.center, *contact_grid);
   }
 
-  void setClay(std::unique_ptr<PreparedClay> made) {
-    sculptor = made ? std::move(made->sculptor_) : nullptr;  // before the clay that it refers to goes
-    clay = made ? std::move(made->clay_) : nullptr;
+  void setClay(std::unique_ptr<PreparedClay> prepared) {
+    sculptor = prepared ? std::move(prepared->sculptor_) : nullptr;  // before the clay that it refers to
+    clay = prepared ? std::move(prepared->clay_) : nullptr;
   }
 
-  /// A camera at a time: a window's images find room between.
+  /// One submission per camera, so that a window can draw in between.
   void learn() {
     for (std::uint32_t camera = 0; camera < gpu_rig.cameraCount(); ++camera) {
       recorder.begin();
@@ -78,7 +78,7 @@ struct Pipeline::Parts {
     background_changed = true;
   }
 
-  /// The background's model, once all its frames are there.
+  /// Computes the background model after its last frame.
   void finishBackground() {
     for (std::uint32_t camera = 0; background_changed && camera < gpu_rig.cameraCount(); ++camera) {
       recorder.begin();
@@ -88,11 +88,12 @@ struct Pipeline::Parts {
     background_changed = false;
   }
 
-  /// From what is seen to the voxel model. The masks are there already, or come from the images.
+  /// From images, or from masks that are already uploaded, to the voxel model.
   void recordHull(bool from_images, std::uint32_t missing_cameras = 0) {
     if (from_images) {
       if (!silhouettes.learned())
-        throw Error("the empty workspace has not been learned: give background images or empty first frames");
+        throw Error(
+            "the empty workspace has not been learned; provide background images or empty first frames");
       recorder.stage("silhouette");
       silhouettes.record(recorder, images);
     }
@@ -113,10 +114,10 @@ struct Pipeline::Parts {
     sculptor->record(recorder, hands, controls);
   }
 
-  /// Whether the hand of this frame is given or tracked: its way from the one to the other is not known.
-  void takeHandFrom(bool given) {
-    if (given != hand_was_given && sculptor) sculptor->forget();
-    hand_was_given = given;
+  /// The hand's path between a tracked and a replayed pose is unknown.
+  void setHandSource(bool replayed) {
+    if (replayed != hand_was_replayed && sculptor) sculptor->forget();
+    hand_was_replayed = replayed;
   }
 
   void submit(FrameResult& result) {
@@ -124,16 +125,16 @@ struct Pipeline::Parts {
     addStages(recorder.stageMs(), result.stage_ms);
   }
 
-  /// The whole line. A frame whose last pose holds is one submission; a search has several of its own.
-  /// Without controls the clay is left out.
+  /// The whole pipeline. While tracking, a frame is one submission; a search takes several more. Without controls, skips
+  /// the clay.
   FrameResult process(bool from_images, const std::optional<SculptControls>& controls,
                       const FrameInput& input = {}) {
     FrameResult result;
     const auto start = Clock::now();
-    if (controls) takeHandFrom(false);
+    if (controls) setHandSource(false);
     const bool following = tracker.hasPose();
     if (from_images) finishBackground();
-    const Timing timing = seen_frames.next();
+    const Timing timing = camera_timing.next();
     recorder.begin(timing);
     recordHull(from_images, input.missing_cameras);
     if (following) recordHandAndClay(controls);
@@ -157,24 +158,24 @@ struct Pipeline::Parts {
   }
 
   FrameResult sculptWith(std::span<const HandPose> hands, const SculptControls& controls) {
-    if (hands.size() > kMaxHands) throw Error("there may be at most " + std::to_string(kMaxHands) + " hands");
+    if (hands.size() > kMaxHands) throw Error("too many hands; expected at most " + std::to_string(kMaxHands));
     FrameResult result;
     const auto start = Clock::now();
-    takeHandFrom(true);
-    std::ranges::fill(given_hands.host(), GpuHandPose{});
+    setHandSource(true);
+    std::ranges::fill(replay_hands.host(), GpuHandPose{});
     for (std::size_t k = 0; k < hands.size(); ++k) {
       HandFit& fit = result.hands.emplace_back();
       fit.pose = hands[k];
       fit.tracked = true;
       fit.outside_fraction = 0;
-      given_hands.host()[k] = gpuHandPose(hands[k], poseFrame(tracker.model(), gpu_rig.rig().workspace));
+      replay_hands.host()[k] = gpuHandPose(hands[k], poseFrame(tracker.model(), gpu_rig.rig().workspace));
     }
     if (hands.empty()) {
       finishClay(result);
       return result;
     }
-    recorder.begin(given_frames.next());
-    recordClay(given_hands, controls);
+    recorder.begin(replay_timing.next());
+    recordClay(replay_hands, controls);
     submit(result);
     finishClay(result);
     result.frame_ms = millisecondsSince(start);
@@ -191,12 +192,12 @@ struct Pipeline::Parts {
     result.clay = sculptor->step();
   }
 
-  void takeMasks(const std::vector<Mask>& masks) {
+  void uploadMasks(const std::vector<Mask>& masks) {
     const std::vector<Camera>& cameras = gpu_rig.rig().cameras;
-    if (masks.size() != cameras.size()) throw Error("there must be a mask for each camera");
+    if (masks.size() != cameras.size()) throw Error("expected one mask per camera");
     for (std::size_t c = 0; c < cameras.size(); ++c)
       if (masks[c].width != cameras[c].width || masks[c].height != cameras[c].height)
-        throw Error("the mask of camera " + cameras[c].name + " must have the size that the rig says");
+        throw Error("the mask of camera " + cameras[c].name + " must have the camera's size in the rig");
     gpu_rig.pack(masks, silhouettes.masks().host());
   }
 
@@ -235,13 +236,13 @@ FrameResult Pipeline::trackImages(const FrameInput& input) {
 }
 
 FrameResult Pipeline::trackMasks(const std::vector<Mask>& masks, const FrameInput& input) {
-  parts_->takeMasks(masks);
+  parts_->uploadMasks(masks);
   return parts_->process(false, std::nullopt, input);
 }
 
 FrameResult Pipeline::processMasks(const std::vector<Mask>& masks, const SculptControls& controls,
                                    const FrameInput& input) {
-  parts_->takeMasks(masks);
+  parts_->uploadMasks(masks);
   return parts_->process(false, controls, input);
 }
 
@@ -257,8 +258,8 @@ std::unique_ptr<Pipeline::PreparedClay> Pipeline::prepareClay(const ClayState& c
   return parts_->prepareClay(clay);
 }
 
-void Pipeline::setClay(std::unique_ptr<PreparedClay> made) {
-  parts_->setClay(std::move(made));
+void Pipeline::setClay(std::unique_ptr<PreparedClay> prepared) {
+  parts_->setClay(std::move(prepared));
 }
 
 void Pipeline::hullFromImages() {
@@ -266,7 +267,7 @@ void Pipeline::hullFromImages() {
 }
 
 void Pipeline::hullFromMasks(const std::vector<Mask>& masks) {
-  parts_->takeMasks(masks);
+  parts_->uploadMasks(masks);
   parts_->hull(false);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The way of the data, as every command and the window call it:
+// The pipeline that every command and the window use:
 //
 //     images -> silhouettes -> voxel model -> hand pose -> contact -> control points -> surface
 //
@@ -27,30 +27,29 @@ namespace airclay {
 
 struct PipelineOptions {
   int voxels = 128;    ///< along the workspace's edge
-  int time_every = 0;  ///< stages are timed in one frame of so many (TimingPlan)
+  int time_every = 0;  ///< time the stages of one frame in this many (TimingPlan)
 };
 
 enum class HandState {
-  kEmpty,  ///< nobody there: too little in the image to be a hand
+  kEmpty,  ///< too little in the images to be a hand
   kTracked,
-  kLost,  ///< something is there, but no pose explains it
+  kLost,  ///< there is something, but no pose fits it
 };
 
-/// What the cameras recorded at one instant, besides the images.
+/// A frame's camera data except the images.
 struct FrameInput {
   std::uint32_t missing_cameras = 0;   ///< bit k: camera k has no image of this instant and is left out
   std::vector<double> camera_times_s;  ///< each camera's own timestamp, in the rig's order; may be empty
 };
 
 struct FrameResult {
-  /// The hands in the voxel model, tracked or lost: at most kMaxHands, empty if nothing there could be a
-  /// hand.
+  /// The hands in the voxel model, tracked or lost, at most kMaxHands; empty if nothing could be a hand.
   std::vector<HandFit> hands;
   ClayStep clay;
-  bool searched = false;  ///< the hand was looked for all around: such a frame takes longer
+  bool searched = false;  ///< the hand was searched for in all orientations, which takes longer
   double frame_ms = 0;    ///< wall time from pixels in memory to the result
-  /// On the device, disjoint, by name: silhouette, carve, fit, and with clay: clay. None in frames that are
-  /// not timed (PipelineOptions).
+  /// Device time of the stages silhouette, carve, fit and, with clay, clay; empty in frames that are not timed
+  /// (PipelineOptions).
   StageTimes stage_ms;
 
   HandState state() const;
@@ -60,44 +59,41 @@ struct FrameResult {
 
 class Pipeline {
  public:
-  /// Without `clay` only the hand is tracked. \throw Error as its parts do.
+  /// Without `clay`, only tracks the hand. \throw Error like the constructors of its parts.
   Pipeline(Gpu& gpu, const Rig& rig, const HandModel& hand, const PipelineOptions& options = {},
            const std::optional<ClayState>& clay = std::nullopt);
   ~Pipeline();
   Pipeline(const Pipeline&) = delete;
   Pipeline& operator=(const Pipeline&) = delete;
 
-  /// Where camera `camera`'s next image goes: tightly packed BGR, 3 bytes a pixel, in memory that the
-  /// kernels read.
+  /// The buffer for a camera's next image: BGR, 3 bytes per pixel, rows without padding, in memory that the kernels
+  /// read.
   std::span<std::uint8_t> image(std::size_t camera);
-  /// The images now in memory show the empty workspace.
+  /// Learns from the images in memory, which show the empty workspace.
   void learnBackground();
-  /// The empty workspace is another one by now; it is to be learned anew.
+  /// Discards the learned background, because the empty workspace has changed.
   void resetBackground();
-  /// The images now in memory, through all stages.
-  /// \pre learnBackground() was called
+  /// Processes the images in memory through all stages. \pre learnBackground() was called
   FrameResult processImages(const SculptControls& controls = {}, const FrameInput& input = {});
-  /// The same from masks that are used as they are, one a camera.
+  /// The same from masks instead of images, one per camera.
   FrameResult processMasks(const std::vector<Mask>& masks, const SculptControls& controls = {},
                            const FrameInput& input = {});
-  /// The hand alone: for whoever looks at the pose before it sculpts with sculptWith().
+  /// Only tracks the hand, so that the caller can check the pose before sculptWith().
   FrameResult trackImages(const FrameInput& input = {});
   FrameResult trackMasks(const std::vector<Mask>& masks, const FrameInput& input = {});
-  /// A frame without cameras: only the clay's stage runs, with the given hands, at most kMaxHands; the first
-  /// one sculpts. The tracker keeps its state. Between such a frame and one with cameras the hand's path is
-  /// unknown, so the clay does not move in the first frame of either. Without hands, or without clay, nothing
-  /// moves.
+  /// A frame without cameras: runs only the clay stage with the given hands, at most kMaxHands; the first one sculpts.
+  /// The tracker keeps its state. Between such a frame and one with cameras the hand's path is unknown, so the clay does
+  /// not move in the first frame of either kind. Without hands or clay, nothing moves.
   FrameResult sculptWith(std::span<const HandPose> hands, const SculptControls& controls = {});
-  /// Silhouettes and voxel model alone, of the images in memory or of masks.
+  /// Computes only silhouettes and voxel model, from the images in memory or from masks.
   void hullFromImages();
   void hullFromMasks(const std::vector<Mask>& masks);
 
-  /// Replaces the clay, or takes it away; references to the old one hold no more. The tracker goes on. For
-  /// other control points of the same cage Clay::setControlPoints() does. \throw Error as Clay, and the old
-  /// clay stays.
+  /// Replaces or removes the clay; references to the old one become invalid. The tracker keeps its state. To change only
+  /// control points, use Clay::setControlPoints(). \throw Error like Clay; then the old clay stays.
   void setClay(const std::optional<ClayState>& clay);
-  /// The same in two steps: making the clay takes long where it is large, and may be cancelled
-  /// (engine/core/task.h); putting it in the old one's place does not. \throw Error as Clay
+  /// The same in two steps: preparing large clay takes long and can be cancelled (engine/core/task.h); replacing the old
+  /// clay is fast. \throw Error like Clay
   class PreparedClay {
    public:
     PreparedClay(Gpu& gpu, const ClayState& state, const Vec3& workspace_center, const DistanceGrid& hand);
@@ -109,7 +105,7 @@ class Pipeline {
     std::unique_ptr<Sculptor> sculptor_;
   };
   std::unique_ptr<PreparedClay> prepareClay(const ClayState& clay);
-  void setClay(std::unique_ptr<PreparedClay> made);
+  void setClay(std::unique_ptr<PreparedClay> prepared);
 
   /// Forgets the hand: the next frame searches again.
   void resetTracking();
@@ -119,7 +115,7 @@ class Pipeline {
   const Silhouettes& silhouettes() const;
   const GpuRig& gpuRig() const;
   const Carver& carver() const;
-  /// \pre made with clay
+  /// \pre there is clay
   Clay& clay();
   const Clay& clay() const;
 
