@@ -254,7 +254,7 @@ TEST(Pipeline, RejectsInvalidInput) {
   EXPECT_NE(messageOf([&] { pipeline.processImages(); }).find("empty"), std::string::npos);
   std::vector<Mask> masks = sphereMasks(rig, Vec3::Zero(), 0.05);
   masks.pop_back();
-  EXPECT_NE(messageOf([&] { pipeline.processMasks(masks); }).find("each camera"), std::string::npos);
+  EXPECT_NE(messageOf([&] { pipeline.processMasks(masks); }).find("one mask per camera"), std::string::npos);
   masks = sphereMasks(rig, Vec3::Zero(), 0.05);
   masks[2].width /= 2;
   EXPECT_NE(messageOf([&] { pipeline.processMasks(masks); }).find("cam2"), std::string::npos);

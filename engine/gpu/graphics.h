@@ -27,7 +27,7 @@ enum class Blend {
 /// The fixed state of a graphics pipeline.
 struct GraphicsOptions {
   VkPrimitiveTopology topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
-  /// Front faces are anticlockwise in the image, like our meshes seen from outside.
+  /// Front faces are counterclockwise in the image, like our meshes seen from outside.
   VkCullModeFlags cull = VK_CULL_MODE_NONE;
   bool depth_test = true;   ///< nearer or equal passes
   bool depth_write = true;  ///< only with depth_test

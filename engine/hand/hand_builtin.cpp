@@ -190,8 +190,8 @@ Loft fingerLoft(const Ray& ray) {
   const std::vector<Vec3> joints = jointsOf(ray);
   const Pose frame = frameAlong(joints[1], joints[4] - joints[1], kBack);
   const double p = ray.middle_breadth / 2, d = ray.end_breadth / 2;
-  const auto between = [&](int bone, double share) {
-    return Vec3(joints[bone] + share * (joints[bone + 1] - joints[bone]));
+  const auto between = [&](int bone, double fraction) {
+    return Vec3(joints[bone] + fraction * (joints[bone + 1] - joints[bone]));
   };
   const double tip_cap = 1.08 * d;
   const double tip_share = 1 - tip_cap / (joints[4] - joints[3]).norm();
@@ -220,8 +220,8 @@ Loft metacarpalLoft(const Ray& ray) {
 Loft thumbLoft() {
   const std::vector<Vec3> joints = jointsOf(kThumb);
   const Pose frame = frameAlong(joints[1], joints[3] - joints[1], kThumbBack);
-  const auto between = [&](int bone, double share) {
-    return Vec3(joints[bone] + share * (joints[bone + 1] - joints[bone]));
+  const auto between = [&](int bone, double fraction) {
+    return Vec3(joints[bone] + fraction * (joints[bone + 1] - joints[bone]));
   };
   const double tip_cap = 11, tip_share = 1 - tip_cap / (joints[3] - joints[2]).norm();
   return Loft(
