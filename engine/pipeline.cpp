@@ -125,8 +125,8 @@ struct Pipeline::Parts {
     addStages(recorder.stageMs(), result.stage_ms);
   }
 
-  /// The whole pipeline. While tracking, a frame is one submission; a search takes several more. Without controls, skips
-  /// the clay.
+  /// The whole pipeline. While tracking, a frame is one submission; a search takes several more. Without
+  /// controls, skips the clay.
   FrameResult process(bool from_images, const std::optional<SculptControls>& controls,
                       const FrameInput& input = {}) {
     FrameResult result;
@@ -158,7 +158,8 @@ struct Pipeline::Parts {
   }
 
   FrameResult sculptWith(std::span<const HandPose> hands, const SculptControls& controls) {
-    if (hands.size() > kMaxHands) throw Error("too many hands; expected at most " + std::to_string(kMaxHands));
+    if (hands.size() > kMaxHands)
+      throw Error("too many hands; expected at most " + std::to_string(kMaxHands));
     FrameResult result;
     const auto start = Clock::now();
     setHandSource(true);

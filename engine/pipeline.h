@@ -48,8 +48,8 @@ struct FrameResult {
   ClayStep clay;
   bool searched = false;  ///< the hand was searched for in all orientations, which takes longer
   double frame_ms = 0;    ///< wall time from pixels in memory to the result
-  /// Device time of the stages silhouette, carve, fit and, with clay, clay; empty in frames that are not timed
-  /// (PipelineOptions).
+  /// Device time of the stages silhouette, carve, fit and, with clay, clay; empty in frames that are not
+  /// timed (PipelineOptions).
   StageTimes stage_ms;
 
   HandState state() const;
@@ -66,8 +66,8 @@ class Pipeline {
   Pipeline(const Pipeline&) = delete;
   Pipeline& operator=(const Pipeline&) = delete;
 
-  /// The buffer for a camera's next image: BGR, 3 bytes per pixel, rows without padding, in memory that the kernels
-  /// read.
+  /// The buffer for a camera's next image: BGR, 3 bytes per pixel, rows without padding, in memory that the
+  /// kernels read.
   std::span<std::uint8_t> image(std::size_t camera);
   /// Learns from the images in memory, which show the empty workspace.
   void learnBackground();
@@ -81,19 +81,21 @@ class Pipeline {
   /// Only tracks the hand, so that the caller can check the pose before sculptWith().
   FrameResult trackImages(const FrameInput& input = {});
   FrameResult trackMasks(const std::vector<Mask>& masks, const FrameInput& input = {});
-  /// A frame without cameras: runs only the clay stage with the given hands, at most kMaxHands; the first one sculpts.
-  /// The tracker keeps its state. Between such a frame and one with cameras the hand's path is unknown, so the clay does
-  /// not move in the first frame of either kind. Without hands or clay, nothing moves.
+  /// A frame without cameras: runs only the clay stage with the given hands, at most kMaxHands; the first one
+  /// sculpts. The tracker keeps its state. Between such a frame and one with cameras the hand's path is
+  /// unknown, so the clay does not move in the first frame of either kind. Without hands or clay, nothing
+  /// moves.
   FrameResult sculptWith(std::span<const HandPose> hands, const SculptControls& controls = {});
   /// Computes only silhouettes and voxel model, from the images in memory or from masks.
   void hullFromImages();
   void hullFromMasks(const std::vector<Mask>& masks);
 
-  /// Replaces or removes the clay; references to the old one become invalid. The tracker keeps its state. To change only
-  /// control points, use Clay::setControlPoints(). \throw Error like Clay; then the old clay stays.
+  /// Replaces or removes the clay; references to the old one become invalid. The tracker keeps its state. To
+  /// change only control points, use Clay::setControlPoints(). \throw Error like Clay; then the old clay
+  /// stays.
   void setClay(const std::optional<ClayState>& clay);
-  /// The same in two steps: preparing large clay takes long and can be cancelled (engine/core/task.h); replacing the old
-  /// clay is fast. \throw Error like Clay
+  /// The same in two steps: preparing large clay takes long and can be cancelled (engine/core/task.h);
+  /// replacing the old clay is fast. \throw Error like Clay
   class PreparedClay {
    public:
     PreparedClay(Gpu& gpu, const ClayState& state, const Vec3& workspace_center, const DistanceGrid& hand);

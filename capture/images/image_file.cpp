@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Images through OpenCV's codecs. The file structure is checked here first (PNG: W3C specification, 5; JPEG: ITU T.81,
-// B.1): the size before memory is allocated, and completeness because libpng and libjpeg write errors to standard
-// error.
+// Images through OpenCV's codecs. The file structure is checked here first (PNG: W3C specification, 5; JPEG:
+// ITU T.81, B.1): the size before memory is allocated, and completeness because libpng and libjpeg write
+// errors to standard error.
 #include "capture/images/image_file.h"
 
 #include <array>

@@ -16,12 +16,13 @@ struct ImageSize {
 /// The format of decoded pixels, without padding; the value is the bytes per pixel.
 enum class PixelFormat { kGrey8 = 1, kBgr8 = 3 };
 
-/// An image's size, from its header. \throw Error naming the file if it is not a PNG or JPEG, or is incomplete.
+/// An image's size, from its header. \throw Error naming the file if it is not a PNG or JPEG, or is
+/// incomplete.
 ImageSize imageSize(const std::filesystem::path& file);
 
-/// Decodes an image and ignores its orientation tag, because calibrations refer to the raw image. \pre `pixels` has
-/// width * height * bytes per pixel. \throw Error naming the file if it has another size, is not a PNG or JPEG, or is
-/// damaged.
+/// Decodes an image and ignores its orientation tag, because calibrations refer to the raw image. \pre
+/// `pixels` has width * height * bytes per pixel. \throw Error naming the file if it has another size, is not
+/// a PNG or JPEG, or is damaged.
 void readImage(const std::filesystem::path& file, ImageSize size, PixelFormat format,
                std::span<std::uint8_t> pixels);
 

@@ -54,13 +54,14 @@ class VideoSource : public FrameSource {
   void open() {
     next_ = 0;
     if (!video_.open(file_.string(), cv::CAP_FFMPEG))
-      throw Error(file_.string() +
-                  ": the video cannot be opened (truncated, damaged or of unknown format); expected a complete "
-                  "recording");
+      throw Error(
+          file_.string() +
+          ": the video cannot be opened (truncated, damaged or of unknown format); expected a complete "
+          "recording");
   }
 
-  /// The number of frames, counted by packets: the count that a container declares may be derived from its duration.
-  /// If there are fewer packets, the recording has a variable rate or is truncated.
+  /// The number of frames, counted by packets: the count that a container declares may be derived from its
+  /// duration. If there are fewer packets, the recording has a variable rate or is truncated.
   int countFrames() {
     cv::VideoCapture undecoded(file_.string(), cv::CAP_FFMPEG, {cv::CAP_PROP_FORMAT, -1});
     int packets = 0;
@@ -80,8 +81,8 @@ class VideoSource : public FrameSource {
       const double time_s = video_.get(cv::CAP_PROP_POS_MSEC) / 1000;
       if (time_s > last_s) last_s = time_s, timed = count;
     }
-    // The last frames lose their times in the decoder's queue, so they are assumed at the mean interval, as is the
-    // end of the last one. Half an interval more allows for a variable rate.
+    // The last frames lose their times in the decoder's queue, so they are assumed at the mean interval, as
+    // is the end of the last one. Half an interval more allows for a variable rate.
     const double declared_s = declared / rate_hz_, interval_s = timed > 0 ? last_s / timed : 0;
     const double reached_s = last_s + (count - timed + 0.5) * interval_s;
     if (reached_s < declared_s) failAt(count, declared);
@@ -107,8 +108,7 @@ class ImageSource : public FrameSource {
  public:
   explicit ImageSource(const std::filesystem::path& folder) : images_(numberedImages(folder)) {
     if (images_.empty())
-      throw Error(folder.string() +
-                  ": the folder contains no image; expected 000000.png (or .jpg), …");
+      throw Error(folder.string() + ": the folder contains no image; expected 000000.png (or .jpg), …");
     int expected = 0;
     for (const auto& [frame, file] : images_) {
       if (frame != expected)
@@ -138,8 +138,8 @@ std::string lowerCase(std::string text) {
   return text;
 }
 
-/// The video of camera `name`. An exact match takes precedence over one that differs in case. \throw Error for two
-/// equally good matches.
+/// The video of camera `name`. An exact match takes precedence over one that differs in case. \throw Error
+/// for two equally good matches.
 std::optional<std::filesystem::path> videoOf(const std::filesystem::path& take, const std::string& name) {
   std::vector<std::filesystem::path> exact, similar;
   std::error_code error;

@@ -25,15 +25,15 @@ class FrameSource {
   virtual void read(int frame, std::span<std::uint8_t> bgr) = 0;
 };
 
-/// The frames of camera `name` in a take's folder: NAME.mp4 or another of kVideoExtensions, otherwise the images in
-/// NAME/. Video names and extensions match in any case. Null if there are neither. \throw Error naming the file if it
-/// cannot be opened, has no frame, or image numbers have a gap; if there are two videos; or if the video is shorter
-/// than it declares and not `unfinished`.
+/// The frames of camera `name` in a take's folder: NAME.mp4 or another of kVideoExtensions, otherwise the
+/// images in NAME/. Video names and extensions match in any case. Null if there are neither. \throw Error
+/// naming the file if it cannot be opened, has no frame, or image numbers have a gap; if there are two
+/// videos; or if the video is shorter than it declares and not `unfinished`.
 std::unique_ptr<FrameSource> openFrames(const std::filesystem::path& take, const std::string& name,
                                         bool unfinished = false);
 
-/// The images in a folder by the number in their name: 000000.png, 1.jpg. Ignores other files. \throw Error for two
-/// files with the same number, or a number above a million.
+/// The images in a folder by the number in their name: 000000.png, 1.jpg. Ignores other files. \throw Error
+/// for two files with the same number, or a number above a million.
 std::map<int, std::filesystem::path> numberedImages(const std::filesystem::path& folder);
 
 }  // namespace airclay

@@ -42,9 +42,10 @@ VideoWriter::VideoWriter(const std::filesystem::path& file, const Options& optio
   const cv::Size size(options.size.width, options.size.height);
   const int h264 = cv::VideoWriter::fourcc('a', 'v', 'c', '1');
   if (!parts_->video.open(parts_->unfinished.string(), cv::CAP_FFMPEG, h264, options.rate_hz, size))
-    throw Error(file.string() +
-                ": the video cannot be written; expected an existing, writable folder and an OpenCV whose FFmpeg "
-                "has libx264");
+    throw Error(
+        file.string() +
+        ": the video cannot be written; expected an existing, writable folder and an OpenCV whose FFmpeg "
+        "has libx264");
   parts_->bgr.create(size, CV_8UC3);
 }
 

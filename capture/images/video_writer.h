@@ -27,7 +27,8 @@ class VideoWriter {
   VideoWriter& operator=(VideoWriter&&) noexcept;
 
   void write(std::span<const std::uint8_t> pixels);
-  /// Closes the video and renames it to its final name. \throw Error if frames are missing, because the disk is full.
+  /// Closes the video and renames it to its final name. \throw Error if frames are missing, because the disk
+  /// is full.
   void finish();
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The interface of everything that can be tracked: frames of a rig's cameras with their times. Implemented by takes
-// (take.h), synthetic cameras (synthetic.h) and live cameras.
+// The interface of everything that can be tracked: frames of a rig's cameras with their times. Implemented by
+// takes (take.h), synthetic cameras (synthetic.h) and live cameras.
 #pragma once
 
 #include <algorithm>
@@ -41,18 +41,19 @@ class Recording {
   virtual double rateHz() const = 0;
   /// The frame's capture time, seconds: the mean of its cameras' times. \pre 0 <= frame < frameCount()
   virtual double timeOf(int frame) const = 0;
-  /// Each camera's capture time of the frame, seconds, in the rig's order; empty without per-camera timestamps. \pre
-  /// 0 <= frame < frameCount()
+  /// Each camera's capture time of the frame, seconds, in the rig's order; empty without per-camera
+  /// timestamps. \pre 0 <= frame < frameCount()
   virtual std::vector<double> cameraTimesOf(int /*frame*/) const { return {}; }
 
-  /// The number of leading frames that show the empty workspace; 0 if background images or masks replace them.
+  /// The number of leading frames that show the empty workspace; 0 if background images or masks replace
+  /// them.
   virtual int backgroundFrames() const = 0;
   virtual bool hasImages() const { return true; }        ///< false: masks only
   virtual bool hasSilhouettes() const { return false; }  ///< masks that replace segmentation
   virtual bool hasBackground() const { return false; }   ///< images of the empty workspace
 
-  /// Reads a frame of every camera, BGR, 3 bytes per pixel; false after the last frame. Fastest in ascending order.
-  /// \pre hasImages()
+  /// Reads a frame of every camera, BGR, 3 bytes per pixel; false after the last frame. Fastest in ascending
+  /// order. \pre hasImages()
   virtual bool readImages(int frame, Buffers bgr) = 0;
   /// Reads a frame's masks, 1 byte per pixel: 255 object, 0 background; false after the last frame. \pre
   /// hasSilhouettes()

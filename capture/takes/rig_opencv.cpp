@@ -205,7 +205,8 @@ ParsedRig readAnyRig(const std::filesystem::path& rig, RigUnits units) {
     file = *found;
   }
   const std::string extension = file.extension().string();
-  const bool is_storage = extension == ".yml" || extension == ".yaml" || extension == ".xml" || extension == ".json";
+  const bool is_storage =
+      extension == ".yml" || extension == ".yaml" || extension == ".xml" || extension == ".json";
   return is_storage ? readOpenCvRig(file, units) : parseRig(file, units);
 }
 

@@ -7,9 +7,11 @@
 namespace airclay {
 
 /// Reads one of these:
-/// - EasyMocap's pair intri.yml (`names`, K_NAME, dist_NAME or D_NAME, optional H_NAME and W_NAME) and extri.yml
+/// - EasyMocap's pair intri.yml (`names`, K_NAME, dist_NAME or D_NAME, optional H_NAME and W_NAME) and
+/// extri.yml
 ///   (Rot_NAME, or R_NAME as Rodrigues; T_NAME), in metres unless `units` is millimetres;
-/// - OpenCV's stereo pair intrinsics.yml (M1, D1, M2, D2) and extrinsics.yml (R, T), or both in one file: cameras
+/// - OpenCV's stereo pair intrinsics.yml (M1, D1, M2, D2) and extrinsics.yml (R, T), or both in one file:
+/// cameras
 ///   `left`, whose frame is the world, and `right`. T may be in any unit, so `units` is required.
 /// `file`: either file of a pair. A camera without a size is 0 x 0.
 /// \throw Error naming file, camera and key if the file is neither.

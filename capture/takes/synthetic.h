@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The scripted hand, recorded by synthetic cameras (engine/synthetic/sensor.h), with true poses. `airclay demo` tracks
-// it like any take.
+// The scripted hand, recorded by synthetic cameras (engine/synthetic/sensor.h), with true poses. `airclay
+// demo` tracks it like any take.
 #pragma once
 
 #include <memory>

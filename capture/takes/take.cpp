@@ -74,9 +74,8 @@ void binarize(std::span<std::uint8_t> mask, const path& file) {
 void Take::Parts::openRig() {
   const std::optional<path> found = rigFileIn(folder);
   if (!found)
-    throw Error(
-        folder.string() +
-        ": the take has no rig; expected rig.toml, camera_array.toml, or intri.yml with extri.yml");
+    throw Error(folder.string() +
+                ": the take has no rig; expected rig.toml, camera_array.toml, or intri.yml with extri.yml");
   rig_file = *found;
   rig = readAnyRig(rig_file, options.units).validRig();
 }
@@ -153,8 +152,7 @@ void Take::Parts::countFrames() {
   if (frames.empty()) {
     for (const std::map<int, path>& of_camera : masks)
       if (!of_camera.empty()) frame_count = std::max(frame_count, of_camera.rbegin()->first + 1);
-    if (frame_count == 0)
-      throw Error(folder.string() + ": the take is empty; expected frames or masks");
+    if (frame_count == 0) throw Error(folder.string() + ": the take is empty; expected frames or masks");
     return;
   }
   const auto shorter = [](const auto& a, const auto& b) { return a->frameCount() < b->frameCount(); };
@@ -187,8 +185,7 @@ void Take::Parts::openTimes() {
 
 Take::Take(const path& folder, const TakeOptions& options) : parts_(std::make_unique<Parts>()) {
   if (!std::filesystem::is_directory(folder))
-    throw Error(folder.string() +
-                ": there is no such take; expected a folder with rig.toml and recordings");
+    throw Error(folder.string() + ": there is no such take; expected a folder with rig.toml and recordings");
   parts_->folder = folder;
   parts_->options = options;
   parts_->openRig();

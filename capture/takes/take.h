@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A take: a folder with one recording of a rig. Calibration, frames, masks, times and true poses are checked when it
-// is opened.
+// A take: a folder with one recording of a rig. Calibration, frames, masks, times and true poses are checked
+// when it is opened.
 #pragma once
 
 #include <limits>
@@ -26,8 +26,8 @@ struct TakeOptions {
 /// Every error, on opening or reading, names the file and, if useful, the frame.
 class Take : public Recording {
  public:
-  /// \throw Error if there is no such folder, no rig or no frames; a camera has no video or images, or their size
-  /// differs from the rig's; or timestamps or true poses cannot be read.
+  /// \throw Error if there is no such folder, no rig or no frames; a camera has no video or images, or their
+  /// size differs from the rig's; or timestamps or true poses cannot be read.
   explicit Take(const std::filesystem::path& folder, const TakeOptions& options = {});
   ~Take() override;
   Take(Take&&) noexcept;
@@ -46,11 +46,12 @@ class Take : public Recording {
   bool hasImages() const override;       ///< videos or image folders; false: masks only
   bool hasSilhouettes() const override;  ///< masks that replace segmentation
   bool hasBackground() const override;   ///< images of the empty workspace
-  /// The number of leading frames that show the empty workspace; 0 if background images or masks replace them.
+  /// The number of leading frames that show the empty workspace; 0 if background images or masks replace
+  /// them.
   int backgroundFrames() const override;
 
-  /// Decodes a frame of every camera, BGR, 3 bytes per pixel; false after the last frame. In ascending order this
-  /// decodes one image per camera; otherwise it decodes the video up to the frame. \pre hasImages()
+  /// Decodes a frame of every camera, BGR, 3 bytes per pixel; false after the last frame. In ascending order
+  /// this decodes one image per camera; otherwise it decodes the video up to the frame. \pre hasImages()
   bool readImages(int frame, Buffers bgr) override;
   /// Reads a frame's masks, 1 byte per pixel: 255 object, 0 background. A missing file is an empty mask. \pre
   /// hasSilhouettes()

@@ -89,8 +89,9 @@ class Inspector {
     if (!has_any && std::filesystem::is_directory(folder_ / "silhouettes")) return;
     for (std::size_t i = 0; i < rig_.cameras.size(); ++i) {
       const std::string& name = rig_.cameras[i].name;
-      const bool is_reported = std::any_of(result_.findings.begin(), result_.findings.end(),
-                                       [&](const RigDiagnostic& finding) { return finding.camera == name; });
+      const bool is_reported =
+          std::any_of(result_.findings.begin(), result_.findings.end(),
+                      [&](const RigDiagnostic& finding) { return finding.camera == name; });
       if (!frames_[i] && !is_reported)
         add(name, "the take has no frames of it; expected " + name + ".mp4, .mkv or .avi, or images " + name +
                       "/000000.png, …");

@@ -18,9 +18,9 @@ struct TakeInspection {
   std::vector<MaskSet> instants;
 };
 
-/// Finds the rig's cameras in a take's folder, fills in missing image sizes, and extracts silhouettes: the folder's
-/// masks, otherwise by segmentation (the CPU reference of silhouette.h; no device is needed). \throw Error if there
-/// is no such folder.
+/// Finds the rig's cameras in a take's folder, fills in missing image sizes, and extracts silhouettes: the
+/// folder's masks, otherwise by segmentation (the CPU reference of silhouette.h; no device is needed). \throw
+/// Error if there is no such folder.
 TakeInspection inspectTake(const std::filesystem::path& folder, Rig& rig,
                            const TakeInspectionOptions& options = {});
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// HuffYUV in Matroska through OpenCV's FFmpeg backend: the fastest lossless codec that it writes, and a truncated
-// file can be read up to its last complete frame.
+// HuffYUV in Matroska through OpenCV's FFmpeg backend: the fastest lossless codec that it writes, and a
+// truncated file can be read up to its last complete frame.
 #include "capture/takes/take_writer.h"
 
 #include <condition_variable>
@@ -183,7 +183,8 @@ void TakeWriter::Parts::writeTimes(const std::vector<double>& times_s) {
     timestamps << "cam_id,frame_time\n";
   }
   for (std::size_t c = 0; c < times_s.size() && !last_times_s.empty(); ++c)
-    if (times_s[c] + time_shift_s <= last_times_s[c]) time_shift_s = last_times_s[c] - times_s[c] + 1 / options.rate_hz;
+    if (times_s[c] + time_shift_s <= last_times_s[c])
+      time_shift_s = last_times_s[c] - times_s[c] + 1 / options.rate_hz;
   last_times_s.clear();
   for (std::size_t c = 0; c < times_s.size(); ++c) {
     last_times_s.push_back(times_s[c] + time_shift_s);

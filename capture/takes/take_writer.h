@@ -18,9 +18,9 @@ struct RecordedSet {
   std::vector<std::vector<std::uint8_t>> bytes;  ///< one per camera: BGR, 3 bytes per pixel; or masks, 1 byte
 };
 
-/// Writes rig.toml, timestamps.csv, and per camera NAME.mkv (HuffYUV: lossless, in a tenth of FFV1's time; images of
-/// odd size as NAME/000000.png), or silhouettes/NAME/000000.png for masks. Files are written continuously: after a
-/// power failure, they can be read as a take (TakeOptions::unfinished).
+/// Writes rig.toml, timestamps.csv, and per camera NAME.mkv (HuffYUV: lossless, in a tenth of FFV1's time;
+/// images of odd size as NAME/000000.png), or silhouettes/NAME/000000.png for masks. Files are written
+/// continuously: after a power failure, they can be read as a take (TakeOptions::unfinished).
 class TakeWriter {
  public:
   enum class Content {
@@ -31,7 +31,8 @@ class TakeWriter {
   struct Options {
     double rate_hz = 30;
     Content content = Content::kImages;
-    /// False for a recording to calibrate the rig from: writes no rig.toml and uses only the rig's names and sizes.
+    /// False for a recording to calibrate the rig from: writes no rig.toml and uses only the rig's names and
+    /// sizes.
     bool writes_rig = true;
     /// The free disk space for a folder, bytes; by default from the system.
     std::function<std::uintmax_t(const std::filesystem::path&)> free_bytes;
@@ -45,8 +46,8 @@ class TakeWriter {
 
   /// Writes images of the empty workspace, one BGR image per camera. \pre before the first set
   void writeBackground(const std::vector<std::vector<std::uint8_t>>& bgr);
-  /// Queues the next set. Never drops a set: if the disk is slower than the cameras and the queue is full, it waits.
-  /// If times do not increase (a take that restarts), shifts them after the previous ones.
+  /// Queues the next set. Never drops a set: if the disk is slower than the cameras and the queue is full, it
+  /// waits. If times do not increase (a take that restarts), shifts them after the previous ones.
   void write(RecordedSet set);
   /// Writes the queue and closes the videos. \throw Error if something could not be written.
   void finish();

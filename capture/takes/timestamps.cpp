@@ -42,8 +42,8 @@ std::string trailingNumber(const std::string& name) {
   return significant == std::string::npos ? digits.substr(0, 1) : digits.substr(significant);
 }
 
-/// All valid cam_id values, with the camera's index in the rig. A number at the end of two names is ambiguous and
-/// omitted.
+/// All valid cam_id values, with the camera's index in the rig. A number at the end of two names is ambiguous
+/// and omitted.
 std::map<std::string, size_t> cameraIds(const std::vector<std::string>& names) {
   std::map<std::string, std::vector<size_t>> owners;
   for (size_t i = 0; i < names.size(); ++i)
@@ -53,7 +53,8 @@ std::map<std::string, size_t> cameraIds(const std::vector<std::string>& names) {
   std::map<std::string, size_t> ids;
   for (const auto& [number, places] : owners)
     if (places.size() == 1) ids[number] = places.front();
-  for (size_t i = 0; i < names.size(); ++i) ids[names[i]] = i;  // a name takes precedence over another's number
+  for (size_t i = 0; i < names.size(); ++i)
+    ids[names[i]] = i;  // a name takes precedence over another's number
   return ids;
 }
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Hand pose estimation (section 2 of the paper): forces on the patches that are outside push the skeletal model into the
-// voxel model.
+// Hand pose estimation (section 2 of the paper): forces on the patches that are outside push the skeletal
+// model into the voxel model.
 //
-// Positions are in the workspace frame (the world frame moved to the workspace's centre) unless their name says
-// otherwise.
+// Positions are in the workspace frame (the world frame moved to the workspace's centre) unless their name
+// says otherwise.
 #pragma once
 
 #include "engine/hand/hand_model.h"
@@ -44,16 +44,16 @@ FitModel fitModel(const HandModel& hand);
 /// Every `step`-th patch, with areas scaled to the same sum, for the coarse search.
 FitModel thinned(const FitModel& model, int step);
 
-/// The margin of the force law, as a fraction of a cell: forces act from this far inside the surface, so that opposite
-/// sides of the hand balance each other within the voxels' rounding.
+/// The margin of the force law, as a fraction of a cell: forces act from this far inside the surface, so that
+/// opposite sides of the hand balance each other within the voxels' rounding.
 inline constexpr double kFitMargin = 0.25;
 
 struct FitLimits {
   int iterations = 40;
 };
 
-/// The reference implementation of the kernel: one hypothesis, serial, in double precision. `start` and the result are
-/// as in GpuFit.
+/// The reference implementation of the kernel: one hypothesis, serial, in double precision. `start` and the
+/// result are as in GpuFit.
 GpuFit fitReference(const FitModel& model, const std::vector<double>& field, const FieldGrid& grid,
                     const GpuFit& start, const FitLimits& limits);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The reference implementation of fit.comp: one hypothesis, serial, in double precision. Equations: section 2 of the
-// paper.
+// The reference implementation of fit.comp: one hypothesis, serial, in double precision. Equations: section 2
+// of the paper.
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>

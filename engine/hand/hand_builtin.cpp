@@ -2,13 +2,14 @@
 // The built-in hand: a skeleton with published dimensions and a smooth implicit skin.
 //
 // Lengths: Buryanov and Kotiuk 2010, "Proportions of Hand Segments", Int. J. Morphol. 28(3):755-758,
-// https://doi.org/10.4067/S0717-95022010000300015. Breadths and depths are our own round values for an adult: wrist
-// 60 x 39, hand breadth about 90, middle joints 20, end joints 17, thumb 22 mm (for tables of such dimensions see
-// Vergara, Agost and Gracia-Ibanez 2018, "Dorsal and palmar aspect dimensions of hand anthropometry").
+// https://doi.org/10.4067/S0717-95022010000300015. Breadths and depths are our own round values for an adult:
+// wrist 60 x 39, hand breadth about 90, middle joints 20, end joints 17, thumb 22 mm (for tables of such
+// dimensions see Vergara, Agost and Gracia-Ibanez 2018, "Dorsal and palmar aspect dimensions of hand
+// anthropometry").
 //
-// The skin is a smooth union, by the polynomial minimum (Quilez, "Smooth minimum"), of lofts: bodies with an elliptic
-// section that varies along an axis and is flatter on the back than on the palm. This file uses millimetres, like the
-// sources.
+// The skin is a smooth union, by the polynomial minimum (Quilez, "Smooth minimum"), of lofts: bodies with an
+// elliptic section that varies along an axis and is flatter on the back than on the palm. This file uses
+// millimetres, like the sources.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -20,8 +21,7 @@ namespace airclay {
 namespace {
 
 constexpr double kMetresPerMm = 1e-3;
-constexpr double kCutX =
-    -13;  // the skin ends behind the crease of the wrist; the wrist joint is at 0
+constexpr double kCutX = -13;  // the skin ends behind the crease of the wrist; the wrist joint is at 0
 
 double radians(double degrees) {
   return degrees * std::numbers::pi / 180;
@@ -47,8 +47,8 @@ double smoothStep(double low, double high, double x) {
 // ---------------------------------------------------------------------------------------------------------------------
 // Lofts
 
-/// A section at `u` along a loft's axis: its centre's offset from the axis (v to the thumb side, w to the back), and its
-/// semi-axes to the sides, the back and the palm.
+/// A section at `u` along a loft's axis: its centre's offset from the axis (v to the thumb side, w to the
+/// back), and its semi-axes to the sides, the back and the palm.
 struct Section {
   double u, v, w, side, back, palm;
 };
@@ -64,8 +64,8 @@ Pose frameAlong(const Vec3& origin, const Vec3& along, const Vec3& back) {
 
 class Loft {
  public:
-  /// Sections in ascending order; the body ends in half ellipsoids of the given lengths. `arch` (1/mm) bends the
-  /// section's edges towards the palm.
+  /// Sections in ascending order; the body ends in half ellipsoids of the given lengths. `arch` (1/mm) bends
+  /// the section's edges towards the palm.
   Loft(const Pose& hand_from_loft, const std::vector<Section>& sections, double start_cap, double end_cap,
        double arch = 0)
       : loft_from_hand_(hand_from_loft.inverse()),
@@ -145,8 +145,8 @@ struct Ray {
   double middle_breadth, end_breadth;  // at the joints
 };
 
-// Bases and angles of a flat hand: the knuckles form an arch that descends towards the little finger, 90 mm wide; the
-// middle finger is along x, with its tip 190 mm from the wrist.
+// Bases and angles of a flat hand: the knuckles form an arch that descends towards the little finger, 90 mm
+// wide; the middle finger is along x, with its tip 190 mm from the wrist.
 const std::array<Ray, 4> kFingers = {{
     {{28, 14, -1.5}, {68.12, 39.78, 22.38, 15.82, 3.84}, 9.7, -0.5, 6.5, -3, 2.5, 20, 17},
     {{33, 3.5, 0}, {64.60, 44.63, 26.33, 17.40, 3.95}, 0.3, 0, -2.2, -2.5, 2.5, 20, 17},
@@ -251,7 +251,8 @@ Loft palmLoft() {
               10, 14, 0.002);
 }
 
-/// The muscles at the base of the thumb and along the little finger's edge, and the skin between thumb and index finger.
+/// The muscles at the base of the thumb and along the little finger's edge, and the skin between thumb and
+/// index finger.
 std::vector<Loft> palmMuscles() {
   const std::vector<Vec3> thumb = jointsOf(kThumb);
   const Pose ball = frameAlong({24, 15, -17}, thumb[1] - thumb[0], kThumbBack);
@@ -365,8 +366,8 @@ double distanceToSegment(const Vec3& point, const Vec3& a, const Vec3& b) {
   return (point - a - t * (b - a)).norm();
 }
 
-/// A vertex follows the bones near it, weighted by the inverse sixth power of the distance, so that the transition at a
-/// joint is about a finger's breadth wide. Phalanges move only the skin of their own finger.
+/// A vertex follows the bones near it, weighted by the inverse sixth power of the distance, so that the
+/// transition at a joint is about a finger's breadth wide. Phalanges move only the skin of their own finger.
 SkinWeights weightsAt(const Vec3& point, const HandShape& shape, const std::vector<Joint>& joints) {
   const auto place = [&](int j) { return Vec3(joints[j].hand_from_joint_rest.translation() / kMetresPerMm); };
   std::array<double, 6> membership;  // in the five fingers and the palm
@@ -394,8 +395,8 @@ SkinWeights weightsAt(const Vec3& point, const HandShape& shape, const std::vect
   return weights;
 }
 
-/// Maps net coordinates so that cells shrink linearly along the hand, from 6 mm at the wrist to 4 mm at the fingertips,
-/// which have more curvature.
+/// Maps net coordinates so that cells shrink linearly along the hand, from 6 mm at the wrist to 4 mm at the
+/// fingertips, which have more curvature.
 Vec3 spread(const Vec3& point_in_net) {
   constexpr double kBegin = -19, kLength = 215;
   const double x = point_in_net.x();
@@ -426,8 +427,8 @@ HandModel builtInHand(bool left) {
   if (left) {
     mirror(hand.skin);
     const Eigen::DiagonalMatrix<double, 3> flip(1, -1, 1), turn(-1, 1, 1);
-    for (Joint& joint :
-         hand.joints) {  // x is reversed, so that the standard's frame on the mirrored bone stays right-handed
+    for (Joint& joint : hand.joints) {  // x is reversed, so that the standard's frame on the mirrored bone
+                                        // stays right-handed
       joint.hand_from_joint_rest.linear() = flip * joint.hand_from_joint_rest.linear() * turn;
       joint.hand_from_joint_rest.translation().y() *= -1;
     }

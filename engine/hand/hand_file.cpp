@@ -158,8 +158,7 @@ class Elements {
 Eigen::Affine3d localTransform(const tinygltf::Node& node) {
   Eigen::Affine3d transform = Eigen::Affine3d::Identity();
   if (node.matrix.size() == 16) {
-    transform.matrix() =
-        Eigen::Map<const Eigen::Matrix4d>(node.matrix.data());  // column-major, like Eigen
+    transform.matrix() = Eigen::Map<const Eigen::Matrix4d>(node.matrix.data());  // column-major, like Eigen
     return transform;
   }
   if (node.translation.size() == 3) transform.translate(Eigen::Map<const Vec3>(node.translation.data()));
@@ -273,8 +272,8 @@ std::vector<Joint> readSkeleton(const File& file, const std::vector<int>& parent
   return joints;
 }
 
-/// Adds primitives to a hand. Merges vertices with the same position, because texture seams would otherwise be cuts in
-/// the skin.
+/// Adds primitives to a hand. Merges vertices with the same position, because texture seams would otherwise
+/// be cuts in the skin.
 class SkinBuilder {
  public:
   SkinBuilder(const File& file, const FileSkin& skin, HandModel& hand)
@@ -303,7 +302,8 @@ class SkinBuilder {
   }
 
   std::vector<int> addVertices(const tinygltf::Primitive& primitive, const Elements& positions) {
-    std::vector<Elements> joints, weights;  // JOINTS_0, WEIGHTS_0; more sets if vertices have over four joints
+    std::vector<Elements> joints,
+        weights;  // JOINTS_0, WEIGHTS_0; more sets if vertices have over four joints
     for (int set = 0; set == 0 || attribute(primitive, "JOINTS_" + std::to_string(set)) >= 0; ++set) {
       const std::string joints_name = "JOINTS_" + std::to_string(set),
                         weights_name = "WEIGHTS_" + std::to_string(set);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The One Euro filter for a pose (Casiez, Roussel and Vogel 2012). Position and rotation each have a single cutoff from
-// their speed: one cutoff per axis would bend the path of a diagonal motion.
+// The One Euro filter for a pose (Casiez, Roussel and Vogel 2012). Position and rotation each have a single
+// cutoff from their speed: one cutoff per axis would bend the path of a diagonal motion.
 #include "engine/hand/one_euro.h"
 
 #include <algorithm>
@@ -14,8 +14,8 @@ double timeConstant(double cutoff_hz) {
   return 1 / (2 * M_PI * cutoff_hz);
 }
 
-/// The speed with the effect of tremor reduced: a speed far below the tremor's nearly vanishes, one far above it loses
-/// only the tremor's part.
+/// The speed with the effect of tremor reduced: a speed far below the tremor's nearly vanishes, one far above
+/// it loses only the tremor's part.
 double withoutTremor(double speed, double tremor) {
   return speed > 0 ? speed * speed / (speed + tremor) : 0;
 }
@@ -65,13 +65,15 @@ void OneEuroPose::follow(State& state, double step_s, const Vec3& position,
   state.age_s += step_s;
 
   // f_c = f_c,min + beta |speed|, with tremor reduced
-  state.cutoff_hz = options_.rest_cutoff_hz +
-                    options_.cutoff_hz_per_m_s * withoutTremor(state.velocity_m_s.norm(), options_.tremor_m_s);
+  state.cutoff_hz =
+      options_.rest_cutoff_hz +
+      options_.cutoff_hz_per_m_s * withoutTremor(state.velocity_m_s.norm(), options_.tremor_m_s);
   state.smooth += smoothingFactor(state.cutoff_hz, step_s) * (position - state.smooth);
-  state.rotation_cutoff_hz =
-      options_.rotation_rest_cutoff_hz +
-      options_.rotation_cutoff_hz_per_rad_s * withoutTremor(state.angular_velocity_rad_s.norm(), options_.tremor_rad_s);
-  state.smooth_rotation = state.smooth_rotation.slerp(smoothingFactor(state.rotation_cutoff_hz, step_s), turn).normalized();
+  state.rotation_cutoff_hz = options_.rotation_rest_cutoff_hz +
+                             options_.rotation_cutoff_hz_per_rad_s *
+                                 withoutTremor(state.angular_velocity_rad_s.norm(), options_.tremor_rad_s);
+  state.smooth_rotation =
+      state.smooth_rotation.slerp(smoothingFactor(state.rotation_cutoff_hz, step_s), turn).normalized();
 }
 
 double OneEuroPose::latencyS() const {

@@ -12,7 +12,8 @@ namespace {
 
 // The hand's largest motion between two frames, including the border for interpolation.
 constexpr double kMaxMotion_m = 0.03;  // m
-// Orientations of the coarse search. Adjacent ones are about 25° apart, and the fit converges from half of that.
+// Orientations of the coarse search. Adjacent ones are about 25° apart, and the fit converges from half of
+// that.
 constexpr int kCoarseRotations = 600;
 constexpr int kCoarseIterations = 12;
 constexpr int kThinning = 8;  // every eighth patch: about 300 suffice to distinguish 25°
@@ -20,14 +21,15 @@ constexpr std::size_t kMiddleCandidates = 40, kFineCandidates = 8;
 // Candidates closer than this count as one.
 constexpr double kSamePosition_m = 0.005, kSameRotation_rad = 0.05;
 constexpr int kMaxFits = 3 * kCoarseRotations;
-// A search consists of many short submissions, so that a window can draw in between; each has as many fits as take about
-// this long. The results do not depend on it.
+// A search consists of many short submissions, so that a window can draw in between; each has as many fits as
+// take about this long. The results do not depend on it.
 constexpr double kSlice_ms = 8;
 constexpr std::size_t kFirstSlice = 2;
-// The hand counts as lost if its patches are farther outside than this on average; a good fit has a tenth of a cell.
+// The hand counts as lost if its patches are farther outside than this on average; a good fit has a tenth of
+// a cell.
 constexpr double kLostCells = 0.4, kLostDistance_m = 0.002;
-// The weight of a completely uncovered voxel model in the score, in metres of outside distance. A flipped hand leaves a
-// third uncovered, but changes the outside distance by only a few tenths of a millimetre.
+// The weight of a completely uncovered voxel model in the score, in metres of outside distance. A flipped
+// hand leaves a third uncovered, but changes the outside distance by only a few tenths of a millimetre.
 constexpr double kUncoveredWeight_m = 0.004;
 
 double score(const GpuFit& fit, double uncovered) {
@@ -170,8 +172,8 @@ double HandTracker::uncovered(const GpuFit& fit, const std::vector<Vec3>& cells,
   return near > 0 ? double(uncovered_cells) / near : 1;
 }
 
-void HandTracker::selectBest(std::vector<Candidate>& candidates, const std::vector<Vec3>& cells, double cell_m,
-                           std::size_t count) const {
+void HandTracker::selectBest(std::vector<Candidate>& candidates, const std::vector<Vec3>& cells,
+                             double cell_m, std::size_t count) const {
   for (Candidate& candidate : candidates) candidate.uncovered = uncovered(candidate.fit, cells, cell_m);
   std::stable_sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
     return score(a.fit, a.uncovered) < score(b.fit, b.uncovered);
@@ -255,8 +257,8 @@ bool HandTracker::search(Recorder& recorder, StageTimes& stage_ms) {
   candidates = fitAll(recorder, fitter_, grid, starts(candidates), FitLimits{}.iterations, stage_ms);
   selectBest(candidates, cells, grid.cell_m, kFineCandidates);
 
-  // around the best, in the smallest cells that cover the hand in any orientation; the other candidates are mostly at
-  // the same position
+  // around the best, in the smallest cells that cover the hand in any orientation; the other candidates are
+  // mostly at the same position
   const FieldGrid fine = placeField(carver_, candidates.front().fit.pose.position.cast<double>(),
                                     Vec3::Constant(model().radius_m + kMaxMotion_m));
   recordField(recorder, fine, stage_ms);

@@ -1,30 +1,33 @@
 // SPDX-License-Identifier: MIT
-// The tool *push*, the paper's: the hand displaces the clay. Determines which data points the hand has reached, and
-// the target of each.
+// The tool *push*, the paper's: the hand displaces the clay. Determines which data points the hand has
+// reached, and the target of each.
 //
-// The hand is a signed distance grid in the hand frame, in which all decisions are made. Between two checks a data
-// point moves along a path in that frame: the hand moves from one pose to the next, or the clay from one shape to the
-// next.
+// The hand is a signed distance grid in the hand frame, in which all decisions are made. Between two checks a
+// data point moves along a path in that frame: the hand moves from one pose to the next, or the clay from one
+// shape to the next.
 //
-// - A point whose path enters the hand from outside is *reached*, however fast the hand moves and however thin it is.
-//   Its target is the entry point, which moves with the skin. Its direction, constant in the hand frame, points back
-//   along the path.
-// - The target of a reached point is on the line through it along its direction: the first surface from outside. So it
-//   leaves on the side on which it was reached, not on the nearest side. In each new frame the direction turns towards
-//   the skin's normal there.
+// - A point whose path enters the hand from outside is *reached*, however fast the hand moves and however
+// thin it is.
+//   Its target is the entry point, which moves with the skin. Its direction, constant in the hand frame,
+//   points back along the path.
+// - The target of a reached point is on the line through it along its direction: the first surface from
+// outside. So it
+//   leaves on the side on which it was reached, not on the nearest side. In each new frame the direction
+//   turns towards the skin's normal there.
 // - It is released once it is outside by kContactReleaseDistance.
-// - Points that are inside when tracking starts or the clutch closes are ignored until the hand has left them by
+// - Points that are inside when tracking starts or the clutch closes are ignored until the hand has left them
+// by
 //   kContactLeaveDistance.
 //
 // Contact depends only on motion, so open surfaces, which have no inside, work too.
 //
-// The smooth surface does not follow its points exactly, so contact, solve and subdivision are repeated within the
-// frame. Plain repeats converge slowly: over all rows a single point moves only by its row's entry of A A⁺, about a
-// tenth. contact_decide.glsl explains the step size. Points are only pushed outwards, so over-relaxation leaves none
-// far from the hand.
+// The smooth surface does not follow its points exactly, so contact, solve and subdivision are repeated
+// within the frame. Plain repeats converge slowly: over all rows a single point moves only by its row's entry
+// of A A⁺, about a tenth. contact_decide.glsl explains the step size. Points are only pushed outwards, so
+// over-relaxation leaves none far from the hand.
 //
-// Points are in the clay frame (engine/clay/clay.h), in which the symmetry planes are perpendicular to the axes;
-// "workspace" means that frame here. The hand's pose is rotated into it at the start of a frame.
+// Points are in the clay frame (engine/clay/clay.h), in which the symmetry planes are perpendicular to the
+// axes; "workspace" means that frame here. The hand's pose is rotated into it at the start of a frame.
 #pragma once
 
 #include "engine/sculpt/tool.h"
@@ -39,8 +42,9 @@ class ContactFinder {
   /// `frame` outlives it.
   ContactFinder(Gpu& gpu, const ContactFrame& frame);
 
-  /// Records a check. `first`: right after ContactFrame::recordBegin() with imageCount(mirrors) images; otherwise after
-  /// the data points have moved. \pre work recorded before a change of the frame's mirrors is done
+  /// Records a check. `first`: right after ContactFrame::recordBegin() with imageCount(mirrors) images;
+  /// otherwise after the data points have moved. \pre work recorded before a change of the frame's mirrors is
+  /// done
   void recordCheck(Recorder& recorder, const Buffer<vec3>& data_points, bool first);
   /// Records the displacements for the solver, unless the frame is done.
   void recordPush(Recorder& recorder);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The state of a frame that all tools use on the GPU: the hand's last two poses, the progress of the repeats, and the
-// displacements for the solver.
+// The state of a frame that all tools use on the GPU: the hand's last two poses, the progress of the repeats,
+// and the displacements for the solver.
 #pragma once
 
 #include "engine/gpu/kernel.h"
@@ -11,7 +11,8 @@
 
 namespace airclay {
 
-/// The hand's signed distances for the tools: 2.5 mm cells, 30 mm margin, relative to the hand's centre of mass.
+/// The hand's signed distances for the tools: 2.5 mm cells, 30 mm margin, relative to the hand's centre of
+/// mass.
 DistanceGrid contactGrid(const TriangleMesh& skin);
 
 /// workspace_from_hand, with the origin of the hand frame moved to the centre of mass.
@@ -22,8 +23,8 @@ struct ContactPose {
 
 class ContactFrame {
  public:
-  /// `hand`: a contactGrid(). `project_groups` and `apply_groups`: workgroup counts of the solver's two kernels in each
-  /// repeat.
+  /// `hand`: a contactGrid(). `project_groups` and `apply_groups`: workgroup counts of the solver's two
+  /// kernels in each repeat.
   ContactFrame(Gpu& gpu, const DistanceGrid& hand, std::uint32_t data_point_count,
                std::uint32_t project_groups = 0, std::uint32_t apply_groups = 0);
 
@@ -37,8 +38,8 @@ class ContactFrame {
   /// The next frame starts as if tracking had just begun.
   void forget() { forget_ = true; }
 
-  /// Starts a frame: element 0 of `hands` is the pose of the sculpting hand, `held` the clutch. The check processes
-  /// `images` symmetry images of each data point in separate workgroups.
+  /// Starts a frame: element 0 of `hands` is the pose of the sculpting hand, `held` the clutch. The check
+  /// processes `images` symmetry images of each data point in separate workgroups.
   void recordBegin(Recorder& recorder, const Buffer<GpuHandPose>& hands, bool held, std::uint32_t images = 1);
 
   const Buffer<GpuContactFrame>& state() const { return state_; }

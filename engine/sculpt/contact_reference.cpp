@@ -33,7 +33,8 @@ struct Path {
     const Vec3 center = (1 - t) * hand_from.position + t * hand_to.position;
     return rotation.conjugate() * ((1 - t) * point_from + t * point_to - center);
   }
-  /// An upper bound of the path's length. The interpolated quaternion turns at most at the rate 4 tan(angle / 4).
+  /// An upper bound of the path's length. The interpolated quaternion turns at most at the rate 4 tan(angle /
+  /// 4).
   double bound() const {
     const double turn = 4 * std::tan(hand_from.rotation.angularDistance(hand_to.rotation) / 4);
     const double arm =
@@ -69,8 +70,8 @@ std::optional<double> firstEntry(const DistanceGrid& hand, const Path& path, boo
   }
 }
 
-/// The first surface along the line from `high` down to `low`. Infinite if no point above it is outside; empty if there
-/// is no surface.
+/// The first surface along the line from `high` down to `low`. Infinite if no point above it is outside;
+/// empty if there is no surface.
 std::optional<double> firstSurface(const DistanceGrid& hand, const Vec3& position, const Vec3& direction,
                                    double high, double low) {
   const auto distance = [&](double s) { return sample(hand, position + s * direction); };

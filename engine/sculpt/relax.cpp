@@ -86,7 +86,8 @@ SurfaceNeighbours surfaceNeighbours(const std::vector<std::array<int, 4>>& quads
   for (Neighbours& point : of) {
     std::sort(point.out.begin(), point.out.end());
     std::sort(point.in.begin(), point.in.end());
-    // inner edges occur in both directions, border edges in one: a border point has one incoming and one outgoing
+    // inner edges occur in both directions, border edges in one: a border point has one incoming and one
+    // outgoing
     std::vector<std::uint32_t> along;
     std::set_difference(point.in.begin(), point.in.end(), point.out.begin(), point.out.end(),
                         std::back_inserter(along));

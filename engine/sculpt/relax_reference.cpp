@@ -7,7 +7,8 @@
 namespace airclay {
 namespace {
 
-/// The average of `values` over a point's neighbours, without those on a border if `inner_only`. False if there are none.
+/// The average of `values` over a point's neighbours, without those on a border if `inner_only`. False if
+/// there are none.
 bool averageAround(const SurfaceNeighbours& neighbours, std::size_t point, bool inner_only,
                    const std::vector<Vec3>& values, Vec3& average) {
   Vec3 sum = Vec3::Zero();
@@ -44,7 +45,8 @@ std::vector<Vec3> relaxReference(const SurfaceNeighbours& neighbours, const std:
     displacements.push_back(Vec3::Zero());
     if (!averageAround(neighbours, i, neighbours.borders[i] == 0, umbrellas, average)) continue;
     const Vec3 bilaplacian = umbrellas[i] - average;
-    displacements.back() = strength * nearness[i] * (bilaplacian.x() * normals[i] + bilaplacian.y() * across[i]);
+    displacements.back() =
+        strength * nearness[i] * (bilaplacian.x() * normals[i] + bilaplacian.y() * across[i]);
   }
   return displacements;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Sculpting: a tool's check, solve and subdivision, repeated within a frame until the surface is outside the hand or has
-// followed it.
+// Sculpting: a tool's check, solve and subdivision, repeated within a frame until the surface is outside the
+// hand or has followed it.
 #pragma once
 
 #include <memory>
@@ -18,16 +18,17 @@ struct ClayStep {
   double penetration_m = 0;  ///< the remaining depth; for *pull*, the lag of held points
 };
 
-/// With a device solver, a frame is part of one submission: all repeats are recorded, and those that are not needed
-/// dispatch nothing. With a host solver, each repeat is a separate submission.
+/// With a device solver, a frame is part of one submission: all repeats are recorded, and those that are not
+/// needed dispatch nothing. With a host solver, each repeat is a separate submission.
 class Sculptor {
  public:
   Sculptor(Gpu& gpu, Clay& clay, const HandModel& hand);
   /// `hand`: contactGrid() of its skin, which takes a while to compute.
   Sculptor(Gpu& gpu, Clay& clay, const DistanceGrid& hand);
 
-  /// Records a frame: element 0 of `hands` is the sculpting hand. The clay moves only if the hand was tracked and the
-  /// clutch closed in this frame and the last, with the same tool and symmetry. \pre earlier recorded work is done
+  /// Records a frame: element 0 of `hands` is the sculpting hand. The clay moves only if the hand was tracked
+  /// and the clutch closed in this frame and the last, with the same tool and symmetry. \pre earlier recorded
+  /// work is done
   void record(Recorder& recorder, const Buffer<GpuHandPose>& hands, const SculptControls& controls = {});
   /// After the submission: whether finishOnHost() has work to do.
   bool needsHost() const;

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: MIT
-// Symmetry: the hand's effect on the clay is mirrored at planes through the workspace's centre, which rotate with the
-// clay (engine/clay/clay.h).
+// Symmetry: the hand's effect on the clay is mirrored at planes through the workspace's centre, which rotate
+// with the clay (engine/clay/clay.h).
 //
-// The hand has up to eight images, including itself. A data point touches an image of the hand if the point's mirror
-// image touches the hand; so each tool tests a point's images against the one hand, and mirrors their displacements
-// back. This requires nothing of the mesh. If images request different displacements of a point, it moves along each
-// axis by the larger one if they agree in sign, and by the sum if they oppose each other: nothing is applied twice near
-// a plane, a point on the plane stays on it, and the rule itself is symmetric, unlike the choice of one image.
+// The hand has up to eight images, including itself. A data point touches an image of the hand if the point's
+// mirror image touches the hand; so each tool tests a point's images against the one hand, and mirrors their
+// displacements back. This requires nothing of the mesh. If images request different displacements of a
+// point, it moves along each axis by the larger one if they agree in sign, and by the sum if they oppose each
+// other: nothing is applied twice near a plane, a point on the plane stays on it, and the rule itself is
+// symmetric, unlike the choice of one image.
 //
-// A symmetric cage stays symmetric: rounding differences, which contact decisions would amplify, are averaged over
-// control points that are each other's images.
+// A symmetric cage stays symmetric: rounding differences, which contact decisions would amplify, are averaged
+// over control points that are each other's images.
 #pragma once
 
 #include <optional>
@@ -41,12 +42,12 @@ struct SymmetryOrbits {
   std::vector<std::uint32_t> points;  ///< imageCount(mirrors) per orbit, in the order of the images
 };
 
-/// The largest distance between a control point and the mirror image of its partner: the rounding of a file with five
-/// decimals of a metre.
+/// The largest distance between a control point and the mirror image of its partner: the rounding of a file
+/// with five decimals of a metre.
 inline constexpr double kSymmetryTolerance_m = 1e-5;
 
-/// The orbits of a cage centred at the origin, over those axes of `symmetry` in which its points and faces are
-/// symmetric; empty if there is no such axis.
+/// The orbits of a cage centred at the origin, over those axes of `symmetry` in which its points and faces
+/// are symmetric; empty if there is no such axis.
 SymmetryOrbits symmetryOrbits(const PolygonMesh& cage, const Symmetry& symmetry);
 
 /// Makes the control points of each orbit exact images of one another: the reference implementation of

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A tool defines how the hand shapes the clay. Its description (name, icon, settings) and its implementation are in one
-// translation unit; engine/sculpt/tools.cpp lists all tools. The command line, recordings, panels and shortcuts iterate
-// over that list, so a new tool needs no change there.
+// A tool defines how the hand shapes the clay. Its description (name, icon, settings) and its implementation
+// are in one translation unit; engine/sculpt/tools.cpp lists all tools. The command line, recordings, panels
+// and shortcuts iterate over that list, so a new tool needs no change there.
 #pragma once
 
 #include <memory>
@@ -73,8 +73,8 @@ struct ToolContext {
   const Clay& clay;
 };
 
-/// A tool applied to one clay. A frame consists of a first check, then displacements, solve, subdivision and check,
-/// repeated until a check reports that the frame is done (contact_decide.glsl).
+/// A tool applied to one clay. A frame consists of a first check, then displacements, solve, subdivision and
+/// check, repeated until a check reports that the frame is done (contact_decide.glsl).
 class ToolInstance {
  public:
   virtual ~ToolInstance() = default;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Silhouettes: the pixels that show the hand.
 //
-// Compares each pixel with its background model (mean and spread, learned from the empty workspace), tolerating
-// shadows and small changes of brightness; removes speckle by a 3 x 3 majority; keeps the largest connected part;
-// closes small holes. Masks are in the raw, distorted image: carving projects through the lens model, so nothing is
-// resampled and the whole field of view is used.
+// Compares each pixel with its background model (mean and spread, learned from the empty workspace),
+// tolerating shadows and small changes of brightness; removes speckle by a 3 x 3 majority; keeps the largest
+// connected part; closes small holes. Masks are in the raw, distorted image: carving projects through the
+// lens model, so nothing is resampled and the whole field of view is used.
 #pragma once
 
 #include "engine/camera/gpu_rig.h"
@@ -23,9 +23,9 @@ class Silhouettes {
  public:
   Silhouettes(Gpu& gpu, const GpuRig& rig);
 
-  /// Records learning from one frame of the empty workspace, at most kMaxLearnFrames; finishLearning() then computes
-  /// the model. `images`: GpuRig's layout. To keep submissions short, call both for a few cameras at a time, starting
-  /// with camera 0.
+  /// Records learning from one frame of the empty workspace, at most kMaxLearnFrames; finishLearning() then
+  /// computes the model. `images`: GpuRig's layout. To keep submissions short, call both for a few cameras at
+  /// a time, starting with camera 0.
   void recordLearning(Recorder& recorder, const Buffer<std::uint32_t>& images,
                       const CameraRange& cameras = {});
   void finishLearning(Recorder& recorder, const CameraRange& cameras = {});
@@ -39,8 +39,8 @@ class Silhouettes {
   /// One bit per pixel, GpuRig's layout. The host writes it for takes that contain masks.
   Buffer<std::uint32_t>& masks() { return masks_; }
   const Buffer<std::uint32_t>& masks() const { return masks_; }
-  /// The background model, one word per pixel (silhouette_io.h), and intermediate results, for comparison with the
-  /// reference.
+  /// The background model, one word per pixel (silhouette_io.h), and intermediate results, for comparison
+  /// with the reference.
   const Buffer<std::uint32_t>& model() const { return model_; }
   const Buffer<std::uint32_t>& levels() const { return levels_; }
   const Buffer<std::uint32_t>& segmented() const { return segmented_; }
@@ -67,8 +67,8 @@ class Silhouettes {
   bool learned_ = false;
 };
 
-/// The largest hole that is closed, in pixels: 100 in an image 640 pixels wide, about 15 x 15 mm at a distance of one
-/// metre. The ring formed by thumb and index finger is larger.
+/// The largest hole that is closed, in pixels: 100 in an image 640 pixels wide, about 15 x 15 mm at a
+/// distance of one metre. The ring formed by thumb and index finger is larger.
 std::uint32_t largestHole(int image_width);
 
 // --- the reference implementation, in double precision, step by step ---
@@ -85,7 +85,8 @@ std::vector<BackgroundPixel> learnBackgroundReference(const std::vector<std::vec
 /// A pixel's difference from the background, relative to the tolerance (silhouette_io.h).
 double scoreReference(const Vec3& seen, const BackgroundPixel& background);
 
-/// The mask from an image's scores: pixels of at least 1 that are not edge blur (EdgeArgs in silhouette_io.h).
+/// The mask from an image's scores: pixels of at least 1 that are not edge blur (EdgeArgs in
+/// silhouette_io.h).
 Mask edgesReference(int width, int height, const std::vector<double>& scores);
 
 Mask majorityReference(const Mask& mask);

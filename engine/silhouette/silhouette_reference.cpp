@@ -9,8 +9,8 @@
 namespace airclay {
 namespace {
 
-/// Calls `visit` for each connected part of object or background pixels, with its pixel indices and whether it touches
-/// the border.
+/// Calls `visit` for each connected part of object or background pixels, with its pixel indices and whether
+/// it touches the border.
 template <class Visit>
 void forEachPart(const Mask& mask, bool object, bool eight_connected, Visit visit) {
   std::vector<char> done(mask.pixels.size());

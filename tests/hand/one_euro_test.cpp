@@ -30,8 +30,8 @@ double cutoff(const OneEuroOptions& options, double speed_m_s) {
          options.cutoff_hz_per_m_s * speed_m_s * speed_m_s / (speed_m_s + options.tremor_m_s);
 }
 double turnCutoff(const OneEuroOptions& options, double speed_rad_s) {
-  return options.rotation_rest_cutoff_hz +
-         options.rotation_cutoff_hz_per_rad_s * speed_rad_s * speed_rad_s / (speed_rad_s + options.tremor_rad_s);
+  return options.rotation_rest_cutoff_hz + options.rotation_cutoff_hz_per_rad_s * speed_rad_s * speed_rad_s /
+                                               (speed_rad_s + options.tremor_rad_s);
 }
 
 /// The same cutoff at any speed.
