@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-// `airclay check`: what the other commands would read from a take or a rig, before any work starts.
+// `airclay check`: what the other commands would read from a take, a rig or a cage, before any work starts.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "app/cli/cage_options.h"
 #include "app/cli/command.h"
 #include "app/session/take_options.h"
 #include "capture/images/video_reader.h"
@@ -18,13 +19,14 @@ using nlohmann::ordered_json;
 
 struct CheckInputOptions : CommonOptions {
   TakeInputOptions input;
+  CageOptions cage;  ///< its --units is also the rig's
 };
 
 /// What a check finds, in the order of the file.
 struct Findings {
-  ordered_json facts;                           ///< what would be read
-  std::vector<std::vector<std::string>> table;  ///< the cameras
-  std::vector<std::string> errors, warnings;    ///< each in one line
+  ordered_json facts;                                  ///< what would be read
+  std::vector<std::vector<std::string>> table;         ///< the cameras, or the cage
+  std::vector<std::string> repairs, errors, warnings;  ///< each in one line
 
   /// Runs one part of the check; its Error becomes an entry of the list, and the others still run.
   template <class Part>
@@ -128,11 +130,63 @@ void checkTake(const CheckInputOptions& options, Findings& findings) {
   });
 }
 
+void checkCageFile(const CheckInputOptions& options, Findings& findings) {
+  const std::string& file = options.input.folder;
+  const CageReading reading = inspectCage(file, options.cage.reading());
+  const auto count = [&](auto matches) {
+    return std::count_if(reading.cage.faces.begin(), reading.cage.faces.end(),
+                         [&](const std::vector<int>& face) { return matches(face.size()); });
+  };
+  const auto triangles = count([](std::size_t corners) { return corners == 3; });
+  const auto quads = count([](std::size_t corners) { return corners == 4; });
+  const auto polygons = count([](std::size_t corners) { return corners > 4; });
+  Eigen::AlignedBox3d box;
+  for (const Vec3& point : reading.cage.points) box.extend(point);
+  const Vec3 size_m = box.sizes();
+  findings.facts.update({{"format", reading.format},
+                         {"vertices", reading.cage.points.size()},
+                         {"faces", reading.cage.faces.size()},
+                         {"triangles", triangles},
+                         {"quads", quads},
+                         {"larger_polygons", polygons},
+                         {"size_m", {size_m.x(), size_m.y(), size_m.z()}},
+                         {"closed", reading.is_closed},
+                         {"repairs", reading.repairs}});
+  findings.table = {
+      {"format", "vertices", "faces", "triangles", "quads", "larger", "size, mm", "surface"},
+      {reading.format, std::to_string(reading.cage.points.size()), std::to_string(reading.cage.faces.size()),
+       std::to_string(triangles), std::to_string(quads), std::to_string(polygons),
+       fixed(1000 * size_m.x(), 1) + " x " + fixed(1000 * size_m.y(), 1) + " x " +
+           fixed(1000 * size_m.z(), 1),
+       reading.is_closed ? "closed" : "open"}};
+  findings.repairs = reading.repairs;
+  findings.warnings = reading.hints;
+  for (const std::string& problem : reading.problems) findings.addError(file + ": " + problem);
+}
+
+/// Cages have units and axes that rigs have not.
+void checkOptionsOfRig(const CheckInputOptions& options) {
+  const std::string& units = options.cage.units;
+  if (!units.empty() && units != "m" && units != "mm")
+    throw Error("--units " + units + " applies to a cage's file; the unit of a rig is m or mm",
+                Fault::kUsage);
+  if (!options.cage.up.empty()) throw Error("--up applies to a cage's file", Fault::kUsage);
+}
+
 void runCheck(const CheckInputOptions& options, int& status) {
   Findings findings;
   const bool is_take = std::filesystem::is_directory(options.input.folder);
-  findings.facts = {{"input", options.input.folder}, {"kind", is_take ? "take" : "rig"}};
-  findings.collect([&] { is_take ? checkTake(options, findings) : checkRigAlone(options, findings); });
+  const bool is_cage = !is_take && isCageFile(options.input.folder);
+  if (!is_cage) checkOptionsOfRig(options);
+  findings.facts = {{"input", options.input.folder}, {"kind", is_take ? "take" : is_cage ? "cage" : "rig"}};
+  findings.collect([&] {
+    if (is_take)
+      checkTake(options, findings);
+    else if (is_cage)
+      checkCageFile(options, findings);
+    else
+      checkRigAlone(options, findings);
+  });
   const bool is_usable = findings.errors.empty();
   if (options.json) {
     findings.facts.update(
@@ -140,6 +194,7 @@ void runCheck(const CheckInputOptions& options, int& status) {
     printJson(findings.facts);
   } else {
     if (!options.quiet && findings.table.size() > 1) printTable(findings.table);
+    for (const std::string& repair : findings.repairs) printWarning("repair: " + oneLine(repair));
     for (const std::string& warning : findings.warnings) printWarning("warning: " + oneLine(warning));
     for (const std::string& error : findings.errors) printWarning(oneLine(error));
     if (is_usable) printLine(options, options.input.folder + ": usable");
@@ -150,13 +205,24 @@ void runCheck(const CheckInputOptions& options, int& status) {
 }  // namespace
 
 void addCheck(CLI::App& program, int& status) {
-  CLI::App* command =
-      program.add_subcommand("check", "report what would be read from a take or a rig, and what is missing");
+  CLI::App* command = program.add_subcommand(
+      "check",
+      "report what would be read from a take, a rig or a cage, what is repaired and what is missing");
   const auto options = std::make_shared<CheckInputOptions>();
   addTakeOptions(*command, options->input);
+  command->remove_option(command->get_option("--units"));
+  addCageOptions(*command, options->cage);
+  command->get_option("--units")->description(
+      "unit of a cage's file: m, cm, mm or in [m; STL: mm]; or of a rig file that states none: m "
+      "or mm");
   addCommonOptions(*command, *options, Uses::kNothing, true);
-  command->footer("TAKE may also be a rig's file.\n\nExample:\n  airclay check TAKE --json");
-  command->callback([options, &status] { runCheck(*options, status); });
+  command->footer(
+      "TAKE may also be a rig's file, or a cage's: .obj, .ply, .stl, .gltf or .glb.\n\nExamples:\n  airclay "
+      "check TAKE --json\n  airclay check cage.obj --units mm");
+  command->callback([options, &status] {
+    options->input.units = options->cage.units;
+    runCheck(*options, status);
+  });
 }
 
 }  // namespace airclay

@@ -7,10 +7,10 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "app/cli/cage_options.h"
 #include "app/cli/clay_options.h"
 #include "app/cli/command.h"
 #include "app/cli/progress.h"
-#include "engine/clay/presets.h"
 #include "engine/clay/refine.h"
 #include "engine/core/error.h"
 
@@ -24,11 +24,13 @@ struct DocumentOptions : CommonOptions {
 
 struct NewOptions : DocumentOptions {
   std::string clay = "tube";
+  CageOptions cage_options;
   ClayOptions clay_options;
 };
 
 struct SetOptions : DocumentOptions {
   std::string clay;
+  CageOptions cage_options;
   ClayOptions clay_options;
 };
 
@@ -45,7 +47,7 @@ void checkEnding(const std::string& file) {
 
 void runNew(const NewOptions& options) {
   checkEnding(options.file);
-  const ClayState state{loadCage(options.clay), options.clay_options.subdivisionRule(),
+  const ClayState state{options.cage_options.load(options.clay), options.clay_options.subdivisionRule(),
                         options.clay_options.levels, options.clay_options.solveMethod()};
   // Checked before the file exists: a level that is too high is an error of this command, not of the
   // document.
@@ -129,10 +131,11 @@ void runRefine(const DocumentOptions& options) {
 }
 
 void runSet(const SetOptions& options) {
+  if (options.clay.empty()) options.cage_options.refuse("--clay names one");
   Document document = Document::open(options.file);
   ClayState state = document.state();
   if (!options.clay.empty()) {
-    state.cage = loadCage(options.clay);
+    state.cage = options.cage_options.load(options.clay);
     state.workspace_from_clay.setIdentity();
   }
   options.clay_options.applyTo(state);
@@ -183,9 +186,12 @@ void addNew(CLI::App& program, int&) {
   const auto options = std::make_shared<NewOptions>();
   addFile(*command, *options);
   command
-      ->add_option("--clay", options->clay,
-                   "a preset: tube (default), cube, ball, slab or vase; or an OBJ control cage")
+      ->add_option(
+          "--clay", options->clay,
+          "a preset: tube (default), cube, ball, slab or vase; or a control cage (.obj, .ply, .stl, .gltf, "
+          ".glb)")
       ->type_name("PRESET|FILE");
+  addCageOptions(*command, options->cage_options);
   addSubdivisionOptions(*command, options->clay_options);
   addSolveOption(*command, options->clay_options);
   addCommonOptions(*command, *options, Uses::kNothing, false);
@@ -240,9 +246,11 @@ void addSet(CLI::App& program, int&) {
   const auto options = std::make_shared<SetOptions>();
   addFile(*command, *options);
   command
-      ->add_option("--clay", options->clay,
-                   "a preset: tube, cube, ball, slab or vase; or an OBJ control cage")
+      ->add_option(
+          "--clay", options->clay,
+          "a preset: tube, cube, ball, slab or vase; or a control cage (.obj, .ply, .stl, .gltf, .glb)")
       ->type_name("PRESET|FILE");
+  addCageOptions(*command, options->cage_options);
   addSubdivisionOptions(*command, options->clay_options, WhenOmitted::kKeep);
   addSolveOption(*command, options->clay_options, WhenOmitted::kKeep);
   addCommonOptions(*command, *options, Uses::kNothing, false);

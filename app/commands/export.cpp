@@ -5,12 +5,12 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "app/cli/cage_options.h"
 #include "app/cli/clay_options.h"
 #include "app/cli/command.h"
 #include "app/cli/output_paths.h"
 #include "app/cli/progress.h"
 #include "engine/clay/document.h"
-#include "engine/clay/presets.h"
 #include "engine/core/error.h"
 #include "engine/mesh/mesh_export.h"
 
@@ -19,16 +19,19 @@ namespace {
 
 struct ExportOptions : CommonOptions {
   std::string clay, out, what = "surface";
+  CageOptions cage_options;
   ClayOptions clay_options;
 };
 
 /// The clay to export. A document's level and rule apply unless the options override them.
 ClayState clayOf(const ExportOptions& options) {
   ClayState clay;
-  if (options.clay.ends_with(".clay"))
+  if (options.clay.ends_with(".clay")) {
+    options.cage_options.refuse("a document is in metres");
     clay = Document::open(options.clay).state();
-  else
-    clay.cage = loadCage(options.clay);
+  } else {
+    clay.cage = options.cage_options.load(options.clay);
+  }
   options.clay_options.applyTo(clay);
   return clay;
 }
@@ -74,9 +77,10 @@ void addExport(CLI::App& program, int&) {
   CLI::App* command = program.add_subcommand("export", "export clay as OBJ, PLY, STL or glTF binary");
   const auto options = std::make_shared<ExportOptions>();
   command
-      ->add_option("CLAY", options->clay,
-                   "clay to export: a document, FILE.clay; an OBJ control cage; or a preset: tube, cube, "
-                   "ball, slab or vase")
+      ->add_option(
+          "CLAY", options->clay,
+          "clay to export: a document, FILE.clay; a control cage (.obj, .ply, .stl, .gltf, .glb); or a "
+          "preset: tube, cube, ball, slab or vase")
       ->type_name("")
       ->required();
   command
@@ -88,6 +92,7 @@ void addExport(CLI::App& program, int&) {
   command->add_option("--what", options->what, "export the surface (default) or the control cage")
       ->check(CLI::IsMember({"surface", "cage"}).description(""))
       ->type_name("surface|cage");
+  addCageOptions(*command, options->cage_options);
   addSubdivisionOptions(*command, options->clay_options);
   addCommonOptions(*command, *options, Uses::kNothing, true);
   command->footer(

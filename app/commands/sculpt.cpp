@@ -6,6 +6,7 @@
 #include <memory>
 #include <utility>
 
+#include "app/cli/cage_options.h"
 #include "app/cli/camera_options.h"
 #include "app/cli/clay_options.h"
 #include "app/cli/output_paths.h"
@@ -27,6 +28,7 @@ namespace {
 
 struct SculptOptions : CommonOptions {
   TakeInputOptions take;
+  CageOptions cage_options;
   ClayOptions clay_options;
   std::string hand = "right", fit = "paper", clay = "tube", out = "out/sculpt", video;
   std::optional<Vec3> place;  ///< world, metres
@@ -41,11 +43,14 @@ struct SculptOptions : CommonOptions {
 /// The cage at its position and size: --place sets the center of its bounds, --size their longest side.
 /// Without --place, a preset is at the workspace's center, and a file's coordinates are kept.
 PolygonMesh placedCage(const SculptOptions& options, const Workspace& workspace) {
-  PolygonMesh cage = loadCage(options.clay);
-  Eigen::AlignedBox3d bounds;
-  for (const Vec3& point : cage.points) bounds.extend(point);
   const std::vector<std::string>& presets = presetNames();
   const bool is_preset = std::find(presets.begin(), presets.end(), options.clay) != presets.end();
+  CageOptions cage_options = options.cage_options;
+  if (!is_preset && options.size_m > 0 && cage_options.units.empty())
+    cage_options.units = "m";  // any will do
+  PolygonMesh cage = cage_options.load(options.clay);
+  Eigen::AlignedBox3d bounds;
+  for (const Vec3& point : cage.points) bounds.extend(point);
   Vec3 center = bounds.center();
   if (is_preset) center += workspace.center;
   if (options.place) center = *options.place;
@@ -101,9 +106,9 @@ bool namesDocument(const SculptOptions& options) {
 Document documentFrom(const SculptOptions& options, const Workspace& workspace) {
   if (options.clay.ends_with(".clay")) {
     if (options.place || options.size_m > 0)
-      throw Error(
-          "--place and --size apply to presets and OBJ files; a document stores the position of its clay",
-          Fault::kUsage);
+      throw Error("--place and --size apply to presets and cages; a document stores the position of its clay",
+                  Fault::kUsage);
+    options.cage_options.refuse("a document is in metres");
     Document opened = Document::open(options.clay);
     if (options.save.empty()) return opened;
     opened.saveAs(options.save);
@@ -342,10 +347,14 @@ void addSculpt(CLI::App& program, int&) {
   addTakeOptions(*command, options->take);
   command->get_option("TAKE")->required(false);  // the mouse hand
   command
-      ->add_option(
-          "--clay", options->clay,
-          "a preset: tube (default), cube, ball, slab or vase; an OBJ control cage; or a document, FILE.clay")
+      ->add_option("--clay", options->clay,
+                   "a preset: tube (default), cube, ball, slab or vase; a control cage (.obj, .ply, .stl, "
+                   ".gltf, .glb); "
+                   "or a document, FILE.clay")
       ->type_name("PRESET|FILE");
+  options->cage_options.units_option = "--clay-units";  // --units is the rig's
+  options->cage_options.up_option = "--clay-up";
+  addCageOptions(*command, options->cage_options);
   command
       ->add_option_function<std::string>(
           "--place", [options](const std::string& text) { options->place = parsePoint("--place", text); },
@@ -398,8 +407,9 @@ void addSculpt(CLI::App& program, int&) {
       "  airclay sculpt --rig rig.toml --camera left=0 --camera right=2\n"
       "  airclay sculpt TAKE --record mine; airclay sculpt mine --headless --out out/again");
   command->callback([options, command] {
-    for (const char* name : {"--clay", "--place", "--size", "--levels", "--rule", "--solve", "--hand",
-                             "--tool", "--symmetry", "--no-filter", "--voxels", "--background", "--record"})
+    for (const char* name :
+         {"--clay", "--clay-units", "--clay-up", "--place", "--size", "--levels", "--rule", "--solve",
+          "--hand", "--tool", "--symmetry", "--no-filter", "--voxels", "--background", "--record"})
       if (command->count(name) > 0) options->not_for_replay.push_back(name);
     acceptDocumentAsTake(*options, command->count("--clay") > 0);
     runSculpt(*options);

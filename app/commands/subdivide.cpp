@@ -6,9 +6,9 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "app/cli/cage_options.h"
 #include "app/cli/clay_options.h"
 #include "app/cli/command.h"
-#include "engine/clay/presets.h"
 #include "engine/clay/solve.h"
 #include "engine/mesh/mesh_file.h"
 
@@ -17,6 +17,7 @@ namespace {
 
 struct SubdivideOptions : CommonOptions {
   std::string cage, out;
+  CageOptions cage_options;
   ClayOptions clay;
 };
 
@@ -25,7 +26,7 @@ struct DeformOptions : SubdivideOptions {
 };
 
 void runSubdivide(const SubdivideOptions& options) {
-  const PolygonMesh cage = loadCage(options.cage);
+  const PolygonMesh cage = options.cage_options.load(options.cage);
   const Subdivision subdivision = subdivide(cage, options.clay.levels, options.clay.subdivisionRule());
   const PolygonMesh surface = surfaceMesh(subdivision, cage.points);
   writeObj(options.out, surface);
@@ -36,7 +37,7 @@ void runSubdivide(const SubdivideOptions& options) {
 }
 
 void runDeform(const DeformOptions& options) {
-  PolygonMesh cage = loadCage(options.cage);
+  PolygonMesh cage = options.cage_options.load(options.cage);
   const Subdivision subdivision = subdivide(cage, options.clay.levels, options.clay.subdivisionRule());
   const std::vector<Move> moves = readMoves(options.moves, static_cast<int>(subdivision.matrix.rows()));
   cage.points = solveControlPoints(subdivision.matrix, cage.points, moves, options.clay.solveMethod());
@@ -59,13 +60,16 @@ void runDeform(const DeformOptions& options) {
 
 void addCage(CLI::App& command, SubdivideOptions& options) {
   command
-      .add_option("CAGE", options.cage,
-                  "control cage: an OBJ of polygons, or a preset: tube, cube, ball, slab or vase")
+      .add_option(
+          "CAGE", options.cage,
+          "control cage: a file (.obj, .ply, .stl, .gltf, .glb), or a preset: tube, cube, ball, slab or "
+          "vase")
       ->type_name("")
       ->required();
   command.add_option("--out", options.out, "output file for the surface")
       ->type_name("SURFACE.obj")
       ->required();
+  addCageOptions(command, options.cage_options);
   addSubdivisionOptions(command, options.clay);
 }
 

@@ -23,7 +23,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    PolygonMesh cage = loadCage(argv[1]);
+    PolygonMesh cage = loadCage(argv[1]).cage;
     const Subdivision subdivision = subdivide(cage, kLevels, SubdivisionRule::kCatmullClark);
     const std::vector<Move> moves = readMoves(argv[2], static_cast<int>(subdivision.matrix.rows()));
     cage.points = solveControlPoints(subdivision.matrix, cage.points, moves, &kSolveTouched);

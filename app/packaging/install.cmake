@@ -13,6 +13,10 @@ set(AIRCLAY_INTERNAL_HEADERS
   engine/core/file_io.h
   engine/core/median.h
   engine/gpu/one_time.h
+  engine/mesh/cage_repair.h
+  engine/mesh/gltf_elements.h
+  engine/mesh/mesh_source.h
+  engine/mesh/point_merger.h
   engine/render/renderer_parts.h
   engine/validation/bench_peers.h
   capture/images/quiet_opencv.h

@@ -6,8 +6,8 @@
 #include "engine/clay/refine.h"
 #include "engine/core/error.h"
 #include "engine/core/task.h"
+#include "engine/mesh/cage_file.h"
 #include "engine/mesh/mesh_export.h"
-#include "engine/mesh/mesh_file.h"
 
 namespace airclay {
 namespace {
@@ -95,10 +95,14 @@ void Session::importCage(const std::filesystem::path& file) {
     refuseWhileReplaying();
     const Working working(*this, "importing");
     ClayState state = document_.state();
-    state.cage = readObj(file);
+    CageReadOptions options;
+    options.units_option = "airclay set FILE.clay --clay " + file.filename().string() + " --units";
+    CageReading reading = readCage(file, options);
+    state.cage = std::move(reading.cage);
     state.workspace_from_clay.setIdentity();
     replaceClayWith(state, "Import " + file.filename().string());
     note("imported " + file.filename().string());
+    for (const std::string& line : reading.notes()) note(file.filename().string() + ": " + line);
   });
 }
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "app/studio/theme.h"
+#include "engine/core/file_io.h"
 
 namespace airclay {
 namespace {
@@ -37,7 +38,7 @@ void FileChooser::goTo(const std::filesystem::path& folder) {
     std::error_code ignored;
     const bool is_folder = at->is_directory(ignored);
     const bool listable = is_folder || std::find(extensions_.begin(), extensions_.end(),
-                                                 at->path().extension()) != extensions_.end();
+                                                 lowerCaseExtension(at->path())) != extensions_.end();
     if (!name.starts_with(".") && listable) listed.push_back({name, is_folder});
     if (listed.size() == kMostListed) break;
   }

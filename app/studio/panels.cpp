@@ -126,7 +126,7 @@ void Panels::drawMenu(const DocumentView& document, PanelRequests& requests) {
     requests.record = ImGui::MenuItem(session_.recorderView().recording ? "Stop recording" : "Record",
                                       "Ctrl R", false, !session_.replaying());
     ImGui::Separator();
-    requests.import = ImGui::MenuItem("Import cage (OBJ)...");
+    requests.import = ImGui::MenuItem("Import cage...");
     requests.export_surface = ImGui::MenuItem("Export surface...", "Ctrl E");
     requests.export_cage = ImGui::MenuItem("Export cage...");
     ImGui::EndMenu();

@@ -15,6 +15,7 @@
 #include "app/studio/shortcuts.h"
 #include "engine/clay/presets.h"
 #include "engine/core/error.h"
+#include "engine/mesh/cage_file.h"
 
 namespace airclay {
 namespace {
@@ -293,7 +294,7 @@ class Studio {
     if (requests.save_as) askSave();
     if (requests.export_surface || requests.export_cage) askExport(requests.export_surface);
     if (requests.import)
-      chooser_.open("Import cage", settings_.folder, {".obj"}, false,
+      chooser_.open("Import cage", settings_.folder, cageExtensions(), false,
                     [this](const std::filesystem::path& file) { remember(file), session_.importCage(file); });
     if (requests.help) show_help_ = true;
     if (requests.record) recordOrStop();
@@ -344,11 +345,12 @@ class Studio {
   void openDropped(const std::filesystem::path& file) {
     if (file.extension() == ".clay")
       session_.openDocument(file);
-    else if (file.extension() == ".obj")
+    else if (isCageFile(file))
       session_.importCage(file);
     else
       notes_.push_back(
-          {file.filename().string() + ": not a document (.clay) or a cage (.obj)", Clock::now()});
+          {file.filename().string() + ": not a document (.clay) or a cage (.obj, .ply, .stl, .gltf, .glb)",
+           Clock::now()});
   }
 
   void drawNotes() {

@@ -2,12 +2,13 @@
 // The presets' control cages: quads, counterclockwise seen from outside, about 0.2 m in size.
 #include "engine/clay/presets.h"
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <map>
 #include <numbers>
 
 #include "engine/core/error.h"
-#include "engine/mesh/mesh_file.h"
 
 namespace airclay {
 namespace {
@@ -142,12 +143,19 @@ PolygonMesh presetCage(const std::string& name) {
   throw Error("there is no clay preset '" + name + "'; expected one of " + list);
 }
 
-PolygonMesh loadCage(const std::string& preset_or_file) {
-  for (const std::string& preset : presetNames())
-    if (preset == preset_or_file) return presetCage(preset);
-  if (!std::filesystem::exists(preset_or_file) && preset_or_file.find_first_of("./") == std::string::npos)
-    return presetCage(preset_or_file);  // a mistyped preset: the error lists the presets
-  return readObj(preset_or_file);
+CageReading loadCage(const std::string& preset_or_file, const CageReadOptions& options) {
+  const std::vector<std::string>& names = presetNames();
+  const bool is_preset = std::find(names.begin(), names.end(), preset_or_file) != names.end();
+  const bool is_path =
+      std::filesystem::exists(preset_or_file) || preset_or_file.find_first_of("./") != std::string::npos;
+  if (!is_preset && is_path) return readCage(preset_or_file, options);
+  CageReading reading;
+  reading.cage = presetCage(preset_or_file);  // a mistyped preset: the error lists the presets
+  reading.format = "preset";
+  if (options.units || options.up)
+    throw Error(preset_or_file + " is a preset, in metres and z up; units and an up axis apply to files",
+                Fault::kUsage);
+  return reading;
 }
 
 }  // namespace airclay

@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "engine/mesh/cage_file.h"
 #include "engine/mesh/mesh.h"
 
 namespace airclay {
@@ -16,8 +17,8 @@ const std::vector<std::string>& presetNames();
 /// if the name is unknown.
 PolygonMesh presetCage(const std::string& name);
 
-/// Loads a preset or an OBJ file; a preset's name takes precedence. \throw Error like presetCage() and
-/// readObj().
-PolygonMesh loadCage(const std::string& preset_or_file);
+/// Loads a preset, or a file with readCage(); a preset's name takes precedence. `options` apply to files only.
+/// \throw Error like presetCage() and readCage(), and (Fault::kUsage) if a preset is given a unit or an up axis
+CageReading loadCage(const std::string& preset_or_file, const CageReadOptions& options = {});
 
 }  // namespace airclay

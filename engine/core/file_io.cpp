@@ -82,6 +82,13 @@ std::string printable(std::string_view word) {
   return word.size() > 40 ? text + "..." : text;
 }
 
+std::string lowerCaseExtension(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  for (char& c : extension)
+    if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
+  return extension;
+}
+
 std::string readWhole(const std::filesystem::path& file, size_t max_bytes) {
   const std::string name = file.string();
   FileHandle handle(::open(file.c_str(), O_RDONLY | O_CLOEXEC));

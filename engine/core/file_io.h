@@ -20,6 +20,9 @@ std::string exactNumber(double value);
 /// Text from a file, made safe for a one-line message: other bytes become `?`, at most 40 characters.
 std::string printable(std::string_view word);
 
+/// The file's extension in lower case: ".obj" of Cube.OBJ.
+std::string lowerCaseExtension(const std::filesystem::path& file);
+
 /// Writes `content` atomically: the file appears whole or not at all. \throw Error when it cannot be written
 void writeWhole(const std::filesystem::path& file, const std::string& content);
 

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -164,9 +163,7 @@ TriangleMesh trianglesOf(const PolygonMesh& mesh, const std::vector<std::array<i
 }  // namespace
 
 MeshFormat meshFormatOf(const std::filesystem::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
+  const std::string extension = lowerCaseExtension(file);
   if (extension == ".obj") return MeshFormat::kObj;
   if (extension == ".ply") return MeshFormat::kPly;
   if (extension == ".stl") return MeshFormat::kStl;

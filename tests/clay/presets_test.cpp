@@ -87,9 +87,9 @@ TEST(Presets, CubeHasEightPoints) {
 }
 
 TEST(Presets, UnknownPresetErrorListsAllPresets) {
-  for (const auto load : {presetCage, loadCage}) {
+  for (const bool as_file : {false, true}) {
     try {
-      load("teapot");
+      as_file ? loadCage("teapot").cage : presetCage("teapot");
       FAIL() << "no error";
     } catch (const Error& error) {
       EXPECT_NE(std::string(error.what()).find("teapot"), std::string::npos);
@@ -102,9 +102,9 @@ TEST(Presets, LoadCageReadsPresetsAndFiles) {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder / "vase.obj";
   writeObj(file, presetCage("vase"));
-  EXPECT_EQ(loadCage(file.string()).faces, presetCage("vase").faces);
+  EXPECT_EQ(loadCage(file.string()).cage.faces, presetCage("vase").faces);
   std::filesystem::remove(file);
-  EXPECT_EQ(loadCage("slab").faces, presetCage("slab").faces);
+  EXPECT_EQ(loadCage("slab").cage.faces, presetCage("slab").faces);
   EXPECT_THROW(loadCage(file.string()), Error);
 }
 

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+// Accessors of a glTF model, checked. Numbers in brackets refer to the glTF 2.0 specification.
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+namespace tinygltf {
+struct Accessor;
+class Model;
+}  // namespace tinygltf
+
+namespace airclay {
+
+/// Elements of an accessor as numbers; every range is checked at construction [3.6.2]. The model must outlive
+/// it.
+class GltfElements {
+ public:
+  /// `type` is a TINYGLTF_TYPE. \throw Error that begins with `where`
+  GltfElements(const tinygltf::Model& model, int accessor, int type, const std::string& where);
+
+  std::size_t size() const { return size_; }
+  int componentType() const { return component_type_; }
+
+  /// Component `c` of element `i`; integers may be normalized [3.6.2.2].
+  double at(std::size_t i, std::size_t c = 0) const;
+
+ private:
+  std::size_t size_ = 0;
+  int component_type_ = 0;
+  bool is_normalized_ = false;
+  const unsigned char* first_ = nullptr;
+  std::size_t component_bytes_ = 0, stride_ = 0;
+};
+
+}  // namespace airclay
