@@ -129,7 +129,8 @@ class GltfReader {
       error = reason.what();
     }
     if (is_read) return;
-    std::replace(error.begin(), error.end(), '\n', ' ');
+    for (char& c : error)
+      if (c < ' ' || c > '~') c = c == '\n' ? ' ' : '?';  // it quotes the file
     while (!error.empty() && error.back() == ' ') error.pop_back();
     fail("damaged glTF: " + (error.empty() ? "unreadable" : error.substr(0, 200)));
   }

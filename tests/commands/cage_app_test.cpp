@@ -43,8 +43,8 @@ struct CageApp : ::testing::Test {
 
 TEST_F(CageApp, EveryFormatBecomesClay) {
   for (const auto& [name, content] : cageFiles(cubeCage(0.2))) {
-    const Ran ran = runAirclay({"export", put("my cage #1 " + name, content), "--units", "m", "--up", "z", "--what",
-                                "cage", "--json", "--out", at("out.obj")});
+    const Ran ran = runAirclay({"export", put("my cage #1 " + name, content), "--units", "m", "--up", "z",
+                                "--what", "cage", "--json", "--out", at("out.obj")});
     ASSERT_EQ(ran.status, 0) << name << ran.errors;
     EXPECT_NEAR(json::parse(ran.output)["volume_cm3"], 8000, 0.01) << name;
   }
@@ -86,11 +86,14 @@ TEST_F(CageApp, UnitsAndUpAxisReachTheClay) {
 }
 
 TEST_F(CageApp, RefusesInOneLine) {
-  const std::string fin = put("fin.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 2 1 4\nf 1 2 5\n");
+  const std::string fin =
+      put("fin.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 2 1 4\nf 1 2 5\n");
   ASSERT_EQ(runAirclay({"new", at("a.clay")}).status, 0);
   const std::vector<std::tuple<std::vector<std::string>, int, std::string>> cases = {
       {{"export", fin, "--out", at("b.obj")}, 1, "more than two faces"},
-      {{"export", put("cage.fbx", "x"), "--out", at("b.obj")}, 2, ".obj, .ply, .stl, .gltf and .glb are read"},
+      {{"export", put("cage.fbx", "x"), "--out", at("b.obj")},
+       2,
+       ".obj, .ply, .stl, .gltf and .glb are read"},
       {{"export", "cube", "--units", "mm", "--out", at("b.obj")}, 2, "cube is a preset"},
       {{"export", at("a.clay"), "--up", "y", "--out", at("b.obj")}, 2, "--up applies to a cage's file"},
       {{"export", fin, "--units", "ft", "--out", at("b.obj")}, 2, "--units"},
@@ -135,15 +138,16 @@ TEST_F(CageApp, CheckReportsACage) {
 }
 
 TEST_F(CageApp, CheckListsAllProblems) {
-  const std::string file = put(
-      "bad.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nf 1 2 3 4\nf 4 3 2 1\nf 1 2 5\n");
+  const std::string file =
+      put("bad.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nf 1 2 3 4\nf 4 3 2 1\nf 1 2 5\n");
   const Ran ran = runAirclay({"check", file, "--json"});
   EXPECT_EQ(ran.status, 1);
   const json found = json::parse(ran.output);
   EXPECT_EQ(found["usable"], false);
   ASSERT_EQ(found["errors"].size(), 2u);
   EXPECT_TRUE(contains(found["errors"][0], "bad.obj: 1 face has no area: line 8"));
-  EXPECT_TRUE(contains(found["errors"][1], "bad.obj: 1 face has the corners of another: line 7 repeats line 6"));
+  EXPECT_TRUE(
+      contains(found["errors"][1], "bad.obj: 1 face has the corners of another: line 7 repeats line 6"));
   const Ran cut_off = runAirclay({"check", put("cut.ply", "ply\nformat ascii 1.0\n"), "--json"});
   EXPECT_EQ(cut_off.status, 1);
   EXPECT_EQ(json::parse(cut_off.output)["errors"].size(), 1u);

@@ -201,7 +201,7 @@ TEST_F(CageFile, RefusesWithUpToTenPlaces) {
   const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
   std::string book = "v 0 0 0\nv 0 0 1\n";  // twelve edges of three pages, in a row
   for (int i = 0; i < 12; ++i) {
-    const std::string x = std::to_string(10 * i), at = std::to_string(5 * i + 3);
+    const std::string x = std::to_string(10 * i);
     book += "v " + x + " 0 0\nv " + x + " 0 1\nv " + x + " 1 0\nv " + x + " -1 0\nv " +
             std::to_string(10 * i + 1) + " 0 0\n";
     for (const char* page : {"-3", "-2", "-1"}) book += std::string("f -5 -4 ") + page + "\n";
