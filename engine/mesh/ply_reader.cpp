@@ -95,8 +95,8 @@ class Values {
   std::size_t nextIndex(Scalar type, std::size_t max, const std::string& what) {
     const double value = next(type);
     if (!(value >= 0 && value <= double(max)) || value != std::floor(value))
-      fail(what + (std::isfinite(value) ? " " + shortNumber(value) : "") + " is out of range; 0 to " +
-           std::to_string(max) + " would be right");
+      fail(what + (std::isfinite(value) ? " " + shortNumber(value) : "") + " is out of range; expected 0 to " +
+           std::to_string(max));
     return std::size_t(value);
   }
 
@@ -364,7 +364,7 @@ class PlyReader {
     if (element.count > 0 && (!corners || !corners->count_type))
       throw Error(file_.name + ": its faces have no list vertex_indices");
     if (mesh_.points.empty())
-      throw Error(file_.name + ": its faces come before its vertices; vertices first would be right");
+      throw Error(file_.name + ": its faces come before its vertices; expected the vertices first");
     std::size_t corner_count = 0;
     for (std::size_t i = 0; i < element.count; ++i) {
       reportRows(i, values);

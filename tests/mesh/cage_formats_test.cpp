@@ -128,7 +128,7 @@ TEST_F(CageFormats, RefusesPlyWithThePlace) {
       {replaced(text, "comment", "coment"), ":3: 'coment' is not a statement"},
       {replaced(text, "vertex 8", "vertex -8"), ":7: an element needs a name and a count"},
       {replaced(text, "0.2 nan 0 0 255", "nan nan 0 0 255"), ":22: coordinate x of vertex 2"},
-      {replaced(text, "0 4 0 2 3 1", "0 4 0 2 3 8"), ":29: face 1: vertex index 8 is out of range; 0 to 7"},
+      {replaced(text, "0 4 0 2 3 1", "0 4 0 2 3 8"), ":29: face 1: vertex index 8 is out of range; expected 0 to 7"},
       {replaced(text, "0 4 0 2 3 1", "0 4 0 2 3 1.5"), ":29: face 1: vertex index 1.5"},
       {replaced(text, "0 4 0 2 3 1", "0 2 0 2"), ":29: face 1 has 2 corners"},
       {text.substr(0, text.size() - 3), "cut off"},
