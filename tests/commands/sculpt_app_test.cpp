@@ -15,6 +15,7 @@
 #include "engine/clay/presets.h"
 #include "engine/clay/subdivide.h"
 #include "engine/mesh/mesh_file.h"
+#include "tests/support/cage_files.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
@@ -235,6 +236,20 @@ TEST(SculptApp, WarnsOfClayOutsideTheWorkspace) {
   EXPECT_EQ(result.status, 0);
   ASSERT_EQ(result.errorLines().size(), 1u) << result.errors;
   EXPECT_NE(result.errors.find("outside the workspace"), std::string::npos);
+}
+
+TEST(SculptApp, CagesHaveAUnitAndAnUpAxisOfTheirOwn) {
+  const RecordedDemo take(1);
+  PolygonMesh slab = cubeCage(100);
+  for (Vec3& point : slab.points) point.y() /= 4;
+  const std::string file = take.folder.write("slab.obj", objOf(slab)).string();
+  const Ran ran = runAirclay({"sculpt", take.path(), "--background", take.background(), "--clay", file,
+                              "--clay-units", "mm", "--clay-up", "y", "--out", take.folder / "out"});
+  EXPECT_EQ(ran.status, 0);
+  EXPECT_EQ(ran.errors, "");
+  Eigen::AlignedBox3d box;
+  for (const Vec3& point : readObj(take.folder / "out/cage.obj").points) box.extend(point);
+  EXPECT_LT((box.sizes() - Vec3(0.1, 0.1, 0.025)).norm(), 1e-6);
 }
 
 TEST(SculptApp, CompareAndBenchPrintTheirKeys) {
