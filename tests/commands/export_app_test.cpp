@@ -99,7 +99,7 @@ TEST_F(ExportApp, ReadsDocuments) {
 
 TEST_F(ExportApp, ErrorsAreOneLine) {
   const std::vector<std::tuple<std::vector<std::string>, int, std::string>> cases = {
-      {{"export", "ball", "--out", at("a.fbx")}, 2, ".obj, .ply, .stl and .glb"},
+      {{"export", "ball", "--out", at("a.fbx")}, 2, ".obj, .ply, .stl or .glb"},
       {{"export", "ball", "--what", "hull", "--out", at("a.stl")}, 2, "--what"},
       {{"export", "ball", "--what", "cage", "--levels", "2", "--out", at("a.stl")}, 2, "--levels"},
       {{"export", "ball", "--levels", "99", "--out", at("a.stl")}, 1, "level"},
