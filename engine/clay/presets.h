@@ -17,8 +17,9 @@ const std::vector<std::string>& presetNames();
 /// if the name is unknown.
 PolygonMesh presetCage(const std::string& name);
 
-/// Loads a preset, or a file with readCage(); a preset's name takes precedence. `options` apply to files only.
-/// \throw Error like presetCage() and readCage(), and (Fault::kUsage) if a preset is given a unit or an up axis
+/// Loads a preset, or a file with readCage(); a preset's name takes precedence. `options` apply to files
+/// only. \throw Error like presetCage() and readCage(), and (Fault::kUsage) if a preset is given a unit or an
+/// up axis
 CageReading loadCage(const std::string& preset_or_file, const CageReadOptions& options = {});
 
 }  // namespace airclay

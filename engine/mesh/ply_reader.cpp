@@ -95,8 +95,8 @@ class Values {
   std::size_t nextIndex(Scalar type, std::size_t max, const std::string& what) {
     const double value = next(type);
     if (!(value >= 0 && value <= double(max)) || value != std::floor(value))
-      fail(what + (std::isfinite(value) ? " " + shortNumber(value) : "") + " is out of range; expected 0 to " +
-           std::to_string(max));
+      fail(what + (std::isfinite(value) ? " " + shortNumber(value) : "") +
+           " is out of range; expected 0 to " + std::to_string(max));
     return std::size_t(value);
   }
 
