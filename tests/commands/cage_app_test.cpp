@@ -43,19 +43,19 @@ struct CageApp : ::testing::Test {
 
 TEST_F(CageApp, EveryFormatBecomesClay) {
   for (const auto& [name, content] : cageFiles(cubeCage(0.2))) {
-    const Ran ran = runAirclay({"export", put("my cage #1 " + name, content), "--units", "m", "--up", "z",
-                                "--what", "cage", "--json", "--out", at("out.obj")});
-    ASSERT_EQ(ran.status, 0) << name << ran.errors;
-    EXPECT_NEAR(json::parse(ran.output)["volume_cm3"], 8000, 0.01) << name;
+    const RunResult result = runAirclay({"export", put("my cage #1 " + name, content), "--units", "m", "--up",
+                                         "z", "--what", "cage", "--json", "--out", at("out.obj")});
+    ASSERT_EQ(result.status, 0) << name << result.errors;
+    EXPECT_NEAR(json::parse(result.output)["volume_cm3"], 8000, 0.01) << name;
   }
 }
 
 TEST_F(CageApp, PrintsEachNoteOnce) {
   const std::string file = put("quads.obj", objOf(separateQuads(200)));
-  const Ran ran = runAirclay({"export", file, "--what", "cage", "--out", at("out.obj")});
-  EXPECT_EQ(ran.status, 0);
-  const std::vector<std::string> lines = ran.errorLines();
-  ASSERT_EQ(lines.size(), 2u) << ran.errors;
+  const RunResult result = runAirclay({"export", file, "--what", "cage", "--out", at("out.obj")});
+  EXPECT_EQ(result.status, 0);
+  const std::vector<std::string> lines = result.errorLines();
+  ASSERT_EQ(lines.size(), 2u) << result.errors;
   EXPECT_TRUE(contains(lines[0], "quads.obj: welded 16 vertices")) << lines[0];
   EXPECT_TRUE(contains(lines[1], "quads.obj: its longest side is 200 m")) << lines[1];
   EXPECT_TRUE(contains(lines[1], "--units mm")) << lines[1];
@@ -73,9 +73,9 @@ TEST_F(CageApp, UnitsAndUpAxisReachTheClay) {
   ASSERT_EQ(runAirclay({"new", at("old.clay")}).status, 0);
   for (std::vector<std::string> command : commands) {
     command.insert(command.end(), {"--units", "in", "--up", "y"});
-    const Ran ran = runAirclay(command);
-    EXPECT_EQ(ran.status, 0) << ran.errors;
-    EXPECT_EQ(ran.errors, "") << command[0];
+    const RunResult result = runAirclay(command);
+    EXPECT_EQ(result.status, 0) << result.errors;
+    EXPECT_EQ(result.errors, "") << command[0];
   }
   for (const PolygonMesh& cage : {readObj(at("cage.obj")), Document::open(at("new.clay")).state().cage,
                                   Document::open(at("old.clay")).state().cage}) {
@@ -102,10 +102,10 @@ TEST_F(CageApp, RefusesInOneLine) {
       {{"check", at("a.toml"), "--up", "y"}, 2, "--up applies to a cage's file"},
   };
   for (const auto& [arguments, status, expected] : cases) {
-    const Ran ran = runAirclay(arguments);
-    EXPECT_EQ(ran.status, status) << ran.errors;
-    EXPECT_EQ(ran.errorLines().size(), 1u) << ran.errors;
-    EXPECT_TRUE(contains(ran.errors, expected)) << ran.errors;
+    const RunResult result = runAirclay(arguments);
+    EXPECT_EQ(result.status, status) << result.errors;
+    EXPECT_EQ(result.errorLines().size(), 1u) << result.errors;
+    EXPECT_TRUE(contains(result.errors, expected)) << result.errors;
   }
   EXPECT_FALSE(std::filesystem::exists(folder / "b.obj"));
 }
@@ -113,9 +113,9 @@ TEST_F(CageApp, RefusesInOneLine) {
 TEST_F(CageApp, CheckReportsACage) {
   std::string obj = objOf(separateQuads(200)) + "v 9 9 9\nl 1 2\n";
   const std::string file = put("Würfel #1.OBJ", obj);
-  const Ran ran = runAirclay({"check", file, "--json"});
-  EXPECT_EQ(ran.status, 0) << ran.errors;
-  const json found = json::parse(ran.output);
+  const RunResult result = runAirclay({"check", file, "--json"});
+  EXPECT_EQ(result.status, 0) << result.errors;
+  const json found = json::parse(result.output);
   EXPECT_EQ(found["kind"], "cage");
   EXPECT_EQ(found["format"], "OBJ");
   EXPECT_EQ(found["vertices"], 8);
@@ -130,7 +130,7 @@ TEST_F(CageApp, CheckReportsACage) {
   EXPECT_TRUE(contains(found["warnings"][0], "--units mm"));
   EXPECT_EQ(found["errors"].size(), 0u);
 
-  const Ran text = runAirclay({"check", file, "--units", "mm"});
+  const RunResult text = runAirclay({"check", file, "--units", "mm"});
   EXPECT_TRUE(contains(text.output, "200.0 x 200.0 x 200.0")) << text.output;
   EXPECT_TRUE(contains(text.output, "usable")) << text.output;
   EXPECT_TRUE(contains(text.errors, "repair: welded 16 vertices")) << text.errors;
@@ -140,15 +140,15 @@ TEST_F(CageApp, CheckReportsACage) {
 TEST_F(CageApp, CheckListsAllProblems) {
   const std::string file =
       put("bad.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nf 1 2 3 4\nf 4 3 2 1\nf 1 2 5\n");
-  const Ran ran = runAirclay({"check", file, "--json"});
-  EXPECT_EQ(ran.status, 1);
-  const json found = json::parse(ran.output);
+  const RunResult result = runAirclay({"check", file, "--json"});
+  EXPECT_EQ(result.status, 1);
+  const json found = json::parse(result.output);
   EXPECT_EQ(found["usable"], false);
   ASSERT_EQ(found["errors"].size(), 2u);
   EXPECT_TRUE(contains(found["errors"][0], "bad.obj: 1 face has no area: line 8"));
   EXPECT_TRUE(
       contains(found["errors"][1], "bad.obj: 1 face has the corners of another: line 7 repeats line 6"));
-  const Ran cut_off = runAirclay({"check", put("cut.ply", "ply\nformat ascii 1.0\n"), "--json"});
+  const RunResult cut_off = runAirclay({"check", put("cut.ply", "ply\nformat ascii 1.0\n"), "--json"});
   EXPECT_EQ(cut_off.status, 1);
   EXPECT_EQ(json::parse(cut_off.output)["errors"].size(), 1u);
 }

@@ -243,10 +243,11 @@ TEST(SculptApp, CagesHaveAUnitAndAnUpAxisOfTheirOwn) {
   PolygonMesh slab = cubeCage(100);
   for (Vec3& point : slab.points) point.y() /= 4;
   const std::string file = take.folder.write("slab.obj", objOf(slab)).string();
-  const Ran ran = runAirclay({"sculpt", take.path(), "--background", take.background(), "--clay", file,
-                              "--clay-units", "mm", "--clay-up", "y", "--out", take.folder / "out"});
-  EXPECT_EQ(ran.status, 0);
-  EXPECT_EQ(ran.errors, "");
+  const RunResult result =
+      runAirclay({"sculpt", take.path(), "--background", take.background(), "--clay", file, "--clay-units",
+                  "mm", "--clay-up", "y", "--out", take.folder / "out"});
+  EXPECT_EQ(result.status, 0);
+  EXPECT_EQ(result.errors, "");
   Eigen::AlignedBox3d box;
   for (const Vec3& point : readObj(take.folder / "out/cage.obj").points) box.extend(point);
   EXPECT_LT((box.sizes() - Vec3(0.1, 0.1, 0.025)).norm(), 1e-6);

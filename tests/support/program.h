@@ -57,8 +57,6 @@ struct RunOptions {
   std::function<bool()> interrupt_when;            ///< SIGINT, like Ctrl-C, once this returns true
 };
 
-using Ran = RunResult;  // former name
-
 /// Runs `airclay` with these arguments; standard output and error are not terminals.
 RunResult runAirclay(const std::vector<std::string>& arguments, const RunOptions& options = {});
 
