@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Sources through OpenCV: V4L2, FFmpeg (files and streams); numbered images through picture_file, RTSP and
-// pipelines through gstreamer_source.
+// Sources through OpenCV: V4L2 and FFmpeg (files and streams). Numbered images use image_file.h; RTSP and
+// pipelines use gstreamer_source.h.
 #include "capture/cameras/camera_source.h"
 
 #include <algorithm>
@@ -19,13 +19,13 @@
 namespace airclay {
 namespace {
 
-// Of whatever doesn't say: the rate of ordinary cameras.
+// For sources that declare no rate: the rate of ordinary cameras.
 constexpr double kDefaultRateHz = 30;
-// A stream that is silent for so long is lost; it is opened again then.
+// A stream that is silent for this long is lost, and is then reopened.
 constexpr int kOpenTimeoutMs = 4000, kReadTimeoutMs = 2000;
-// A file that is begun so late was begun anew: it does not catch up.
-constexpr double kMostBehindS = 1;
-// A driver's buffer times are believed when they lie so close before their arrival.
+// A file that begins later than this was restarted and does not catch up.
+constexpr double kMaxDelayS = 1;
+// A driver's buffer times are plausible if they precede the arrival by at most this.
 constexpr double kPlausibleBufferAgeS = 1;
 
 /// "camera "left" (rtsp://…): "
@@ -39,10 +39,10 @@ double saneRate(double rate_hz) {
 
 // ------------------------------------------------------------------------------------------ devices, streams
 
-/// What comes by itself: the source sets the pace.
-class RunningSource : public CameraSource {
+/// Devices and streams, which set the pace themselves.
+class StreamSource : public CameraSource {
  public:
-  RunningSource(const NamedSource& camera, const SourceOptions& options) : camera_(camera) {
+  StreamSource(const NamedSource& camera, const SourceOptions& options) : camera_(camera) {
     quietOpenCv();
     if (camera.source.kind == SourceKind::kDevice)
       openDevice(options);
@@ -60,15 +60,15 @@ class RunningSource : public CameraSource {
   bool read(LiveImage& image, double& capture_s) override {
     cv::Mat decoded;
     if (!video_.grab())
-      throw Error(where(camera_) + "no image comes any more (unplugged, ended, or the network is gone)");
+      throw Error(where(camera_) + "no more images arrive (unplugged, ended, or the network failed)");
     const double arrival_s = secondsNow();
     capture_s = captureTime(arrival_s);
     if (!video_.retrieve(decoded) || decoded.empty() || decoded.type() != CV_8UC3)
-      throw Error(where(camera_) + "an image cannot be decoded; 8-bit colour would be right");
+      throw Error(where(camera_) + "an image cannot be decoded; expected 8-bit colour");
     image.size = {decoded.cols, decoded.rows};
     if (image.size != size_)
       throw Error(where(camera_) + "the image's size changed to " + std::to_string(decoded.cols) + " x " +
-                  std::to_string(decoded.rows) + "; one size throughout would be right");
+                  std::to_string(decoded.rows) + "; expected the same size throughout");
     image.bgr.resize(decoded.total() * 3);
     decoded.copyTo(cv::Mat(decoded.rows, decoded.cols, CV_8UC3, image.bgr.data()));
     return true;
@@ -76,14 +76,14 @@ class RunningSource : public CameraSource {
 
  private:
   void openDevice(const SourceOptions& options) {
-    // OpenCV waits 10 s for a device that is silent; it reads this once, at the first device.
+    // OpenCV waits 10 s for a silent device by default; it reads this variable once, at the first device.
     setenv("OPENCV_VIDEOIO_V4L_SELECT_TIMEOUT", "2", 0);
     const std::string& device = camera_.source.text;
     if (!video_.open(device, cv::CAP_V4L2))
       throw Error(where(camera_) +
-                  "the device cannot be opened (not there, or used by another program); one that `airclay "
-                  "cameras` lists would be right");
-    // In this order: the format decides the sizes, and the size the rates that there are.
+                  "the device cannot be opened (missing, or used by another program); expected one that "
+                  "`airclay cameras` lists");
+    // In this order: the available sizes depend on the format, and the rates on the size.
     if (!options.format.empty()) {
       const std::string& f = options.format;
       ask(cv::CAP_PROP_FOURCC, cv::VideoWriter::fourcc(f[0], f[1], f[2], f[3]), "pixel format " + f);
@@ -93,7 +93,7 @@ class RunningSource : public CameraSource {
       ask(cv::CAP_PROP_FRAME_HEIGHT, options.size->height, "height " + std::to_string(options.size->height));
     }
     if (options.rate_hz) video_.set(cv::CAP_PROP_FPS, *options.rate_hz);
-    // V4L2_EXPOSURE_MANUAL is 1 (videodev2.h); OpenCV hands the number on.
+    // V4L2_EXPOSURE_MANUAL is 1 (videodev2.h); OpenCV passes the number on.
     if (options.exposure) {
       video_.set(cv::CAP_PROP_AUTO_EXPOSURE, 1);
       ask(cv::CAP_PROP_EXPOSURE, *options.exposure, "a locked exposure");
@@ -105,16 +105,15 @@ class RunningSource : public CameraSource {
   void ask(int property, double value, const std::string& setting) {
     if (!video_.set(property, value) || std::abs(video_.get(property) - value) > 0.5)
       throw Error(where(camera_) + "the device does not support " + setting +
-                  "; a mode that `airclay cameras` lists would be right");
+                  "; use a mode that `airclay cameras` lists");
   }
 
   void openStream() {
     const std::vector<int> timeouts = {cv::CAP_PROP_OPEN_TIMEOUT_MSEC, kOpenTimeoutMs,
                                        cv::CAP_PROP_READ_TIMEOUT_MSEC, kReadTimeoutMs};
     if (!video_.open(camera_.source.text, cv::CAP_FFMPEG, timeouts))
-      throw Error(
-          where(camera_) +
-          "no stream answers there; the address of a camera or server that is running would be right");
+      throw Error(where(camera_) +
+                  "no stream answers there; expected the address of a running camera or server");
   }
 
   double captureTime(double arrival_s) {
@@ -122,9 +121,9 @@ class RunningSource : public CameraSource {
     if (times_ == TimeOrigin::kBuffer) {
       const double age_s = arrival_s - stream_s;
       if (age_s >= 0 && age_s <= kPlausibleBufferAgeS) return stream_s;
-      times_ = TimeOrigin::kArrival;  // another clock: of no use beside other cameras
+      times_ = TimeOrigin::kArrival;  // another clock, not comparable with other cameras
     }
-    // MJPEG over HTTP has no times, or counts frames; what doesn't grow says nothing.
+    // MJPEG over HTTP has no times, or frame counts; times that do not increase are ignored.
     const bool grows = std::isfinite(stream_s) && stream_s > last_stream_s_;
     last_stream_s_ = stream_s;
     return grows && camera_.source.kind == SourceKind::kStream ? clock_.captureOf(arrival_s, stream_s)
@@ -142,7 +141,7 @@ class RunningSource : public CameraSource {
 
 // -------------------------------------------------------------------------------------------------- files
 
-/// What has to be waited for: frame k is due at start + k / rate.
+/// Files, played in real time: frame k is due at start + k / rate.
 class PacedSource : public CameraSource {
  public:
   PacedSource(const NamedSource& camera, bool loop) : camera_(camera), loop_(loop) {}
@@ -150,9 +149,9 @@ class PacedSource : public CameraSource {
   TimeOrigin times() const override { return TimeOrigin::kFile; }
 
   void begin(Clock::time_point start) override {
-    // A thread that was a little late catches up: frame k of one file belongs to frame k of the others.
+    // A thread that is slightly late catches up, so that frame k of all files has the same time.
     const double passed_s = secondsBetween(start, Clock::now());
-    const double frames = passed_s > kMostBehindS ? std::ceil(passed_s * rateHz()) : 0;
+    const double frames = passed_s > kMaxDelayS ? std::ceil(passed_s * rateHz()) : 0;
     start_s_ = std::chrono::duration<double>(start.time_since_epoch()).count() + frames / rateHz();
     played_ = 0;
   }
@@ -173,7 +172,7 @@ class PacedSource : public CameraSource {
   }
 
  protected:
-  /// The next frame into `image`; false at the end.
+  /// Reads the next frame; false at the end.
   virtual bool step(LiveImage& image) = 0;
   virtual bool rewind() = 0;
 
@@ -200,19 +199,19 @@ class VideoFileSource : public PacedSource {
   VideoFileSource(const NamedSource& camera, bool loop) : PacedSource(camera, loop) {
     quietOpenCv();
     if (!rewind())
-      throw Error(where(camera) +
-                  "the video cannot be opened (missing, damaged or of unknown form); a video file would be "
-                  "right");
+      throw Error(
+          where(camera) +
+          "the video cannot be opened (missing, damaged or of unknown format); expected a video file");
     size_ = {static_cast<int>(video_.get(cv::CAP_PROP_FRAME_WIDTH)),
              static_cast<int>(video_.get(cv::CAP_PROP_FRAME_HEIGHT))};
     rate_hz_ = saneRate(video_.get(cv::CAP_PROP_FPS));
-    if (!grabbed_) throw Error(where(camera) + "the video holds no frame that can be decoded");
+    if (!grabbed_) throw Error(where(camera) + "the video has no frame that can be decoded");
   }
   ImageSize size() const override { return size_; }
   double rateHz() const override { return rate_hz_; }
 
  private:
-  /// The first frame is decoded at once: a decoder takes its time to begin, and is then late for long.
+  /// Decodes the first frame at once, because decoders start slowly and would then be late for a long time.
   bool rewind() override {
     if (!video_.open(camera_.source.text, cv::CAP_FFMPEG)) return false;
     grabbed_ = video_.grab();
@@ -225,11 +224,10 @@ class VideoFileSource : public PacedSource {
     image.size = size_;
     image.bgr.resize(3 * std::size_t(size_.width) * std::size_t(size_.height));
     cv::Mat target(size_.height, size_.width, CV_8UC3, image.bgr.data());
-    cv::Mat decoded = target;  // the decoder writes into it when size and type are as they should be
+    cv::Mat decoded = target;  // the decoder writes to it if size and type match
     if (!video_.retrieve(decoded) || decoded.size() != target.size() || decoded.type() != target.type())
       throw Error(where(camera_) +
-                  "a frame cannot be decoded, or is of another size; a whole recording of "
-                  "one size would be right");
+                  "a frame cannot be decoded or has another size; expected a complete recording of one size");
     if (decoded.data != target.data) decoded.copyTo(target);
     return true;
   }
@@ -240,16 +238,16 @@ class VideoFileSource : public PacedSource {
   bool grabbed_ = false;  ///< the next frame has been decoded
 };
 
-/// The images that a pattern stands for: those numbers that there are, in their order.
+/// The existing images that match a pattern, by number.
 std::vector<std::filesystem::path> imagesOf(const std::filesystem::path& pattern) {
   const std::string name = pattern.filename().string();
   const std::size_t percent = name.find('%'), end = name.find('d', percent);
   const std::string before = name.substr(0, percent), after = name.substr(end + 1);
   std::map<long, std::filesystem::path> found;
-  std::error_code fault;
+  std::error_code error;
   const std::filesystem::path folder = pattern.has_parent_path() ? pattern.parent_path() : ".";
-  for (std::filesystem::directory_iterator at(folder, fault), stop; !fault && at != stop;
-       at.increment(fault)) {
+  for (std::filesystem::directory_iterator at(folder, error), stop; !error && at != stop;
+       at.increment(error)) {
     const std::string file = at->path().filename().string();
     if (file.size() <= before.size() + after.size() || !file.starts_with(before) || !file.ends_with(after))
       continue;
@@ -272,9 +270,10 @@ class ImagesSource : public PacedSource {
     else
       files_ = imagesOf(place);
     if (files_.empty())
-      throw Error(where(camera) +
-                  "there are no such images; a folder of 000000.png (or .jpg) and on, or a pattern as "
-                  "img_%04d.png, would be right");
+      throw Error(
+          where(camera) +
+          "there are no such images; expected a folder with 000000.png (or .jpg), …, or a pattern such "
+          "as img_%04d.png");
     size_ = imageSize(files_.front());
   }
   ImageSize size() const override { return size_; }
@@ -308,7 +307,7 @@ class ImagesSource : public PacedSource {
 
 std::unique_ptr<CameraSource> openSource(const NamedSource& camera, const SourceOptions& options) {
   if (!options.format.empty() && options.format.size() != 4)
-    throw Error("a pixel format is four letters; MJPG or YUYV would be right", Fault::kUsage);
+    throw Error("a pixel format has four letters; expected one such as MJPG or YUYV", Fault::kUsage);
   switch (camera.source.kind) {
     case SourceKind::kVideo:
       return std::make_unique<VideoFileSource>(camera, options.loop);
@@ -318,7 +317,7 @@ std::unique_ptr<CameraSource> openSource(const NamedSource& camera, const Source
       return openGStreamerSource(camera);
     default:
       if (camera.source.text.starts_with("rtsp://")) return openGStreamerSource(camera);
-      return std::make_unique<RunningSource>(camera, options);
+      return std::make_unique<StreamSource>(camera, options);
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where a live camera's images come from: a device, a file played as if it were one, a stream, a pipeline.
+// The sources of live images: devices, files played in real time, streams, pipelines.
 #pragma once
 
 #include <deque>
@@ -13,102 +13,101 @@
 
 namespace airclay {
 
-/// What a SOURCE can be.
+/// The kinds of SOURCE.
 enum class SourceKind {
-  kDevice,    ///< 0, /dev/video0: Video4Linux (untested on hardware: where this was written there was none)
+  kDevice,    ///< 0, /dev/video0: Video4Linux (not yet tested on hardware)
   kVideo,     ///< a video file, played at its own rate
-  kImages,    ///< a folder of numbered images, or a pattern as img_%04d.png
-  kStream,    ///< rtsp://…, http://… (also MJPEG, as telephones serve it), tcp://…, udp://…
-  kPipeline,  ///< GStreamer: "gst: videotestsrc", or any words with a '!' between them
+  kImages,    ///< a folder of numbered images, or a pattern such as img_%04d.png
+  kStream,    ///< rtsp://…, http://… (also MJPEG, as phones serve it), tcp://…, udp://…
+  kPipeline,  ///< GStreamer: "gst: videotestsrc", or any text that contains '!'
 };
 
-/// A SOURCE as it was read. Nothing has been opened.
+/// A parsed SOURCE, not opened.
 struct Source {
   SourceKind kind = SourceKind::kVideo;
   std::string text;  ///< the device's path, the file, the address, or the pipeline without "gst:"
 };
 
-/// Tells what a SOURCE means by its form. \throw Error when it has none of these forms.
+/// Determines the kind of a SOURCE from its text. \throw Error if it is none of these kinds.
 Source parseSource(const std::string& source);
 
-/// A camera of the command line.
+/// A camera on the command line.
 struct NamedSource {
   std::string name;
   Source source;
 };
 
-/// Reads NAME=SOURCE; names are letters, digits, '-', '_' and '.', for they become files' names.
+/// Parses NAME=SOURCE; names consist of letters, digits, '-', '_' and '.', because they become file names.
 /// \throw Error (Fault::kUsage)
 NamedSource parseNamedSource(const std::string& text);
 
-/// What a device is asked for; one that can't says so, except for the rate, which a device may round.
+/// Requested device settings. An unsupported one is an error, except for the rate, which devices may round.
 struct SourceOptions {
   std::optional<ImageSize> size;
   std::optional<double> rate_hz;
-  std::string format;  ///< four letters: MJPG, YUYV; empty: as the device has it
-  std::optional<double>
-      exposure;                ///< automatic exposure off, and this value (the driver's unit, often 100 us)
-  std::optional<double> gain;  ///< this value; the driver's unit
-  bool loop = false;           ///< a file begins anew at its end
+  std::string format;              ///< four letters: MJPG, YUYV; empty: the device's current format
+  std::optional<double> exposure;  ///< turns automatic exposure off; the driver's unit, often 100 us
+  std::optional<double> gain;      ///< the driver's unit
+  bool loop = false;               ///< restart a file at its end
 };
 
-/// How a source's times are known.
+/// The origin of a source's capture times.
 enum class TimeOrigin {
-  kBuffer,   ///< the driver says when the buffer was filled
-  kFile,     ///< frame k of a file is at k / its rate
-  kArrival,  ///< when the image came, its jitter taken off (ArrivalClock)
+  kBuffer,   ///< the driver's time when the buffer was filled
+  kFile,     ///< frame k of a file is at k / rate
+  kArrival,  ///< the arrival time with jitter removed (ArrivalClock)
 };
 
-/// The same in words: "buffer times", "the file's rate", "arrival, delay unknown".
+/// For display: "buffer times", "the file's rate", "arrival, delay unknown".
 const char* nameOf(TimeOrigin origin);
 
-/// One image: BGR, 3 bytes a pixel, tightly packed, rows from the top.
+/// One image: BGR, 3 bytes per pixel, rows from the top without padding.
 struct LiveImage {
   ImageSize size;
   std::vector<std::uint8_t> bgr;
 };
 
-/// Delivers images one after another. All but stop() belong to one thread.
+/// Delivers one camera's images. Not thread-safe, except for stop().
 class CameraSource {
  public:
   virtual ~CameraSource() = default;
 
   virtual ImageSize size() const = 0;
-  virtual double rateHz() const = 0;  ///< as the source declares it; 30 where it doesn't
+  virtual double rateHz() const = 0;  ///< as declared by the source; 30 if it declares none
   virtual TimeOrigin times() const = 0;
 
-  /// Files: frame 0 is due at `start`; where that has long passed, a whole number of frames after it, so
-  /// that files that were begun apart stay in step. Others begin by themselves.
+  /// For files: frame 0 is due at `start`; if that is long past, a whole number of frames later, so that
+  /// files started at different times stay synchronized. Other sources ignore this.
   virtual void begin(Clock::time_point /*start*/) {}
 
-  /// Waits for the next image. `capture_s` is when it was taken, in seconds of the machine's monotonic
-  /// clock (Clock, CLOCK_MONOTONIC). False when a file has ended, or after stop(). \throw Error naming camera
-  /// and source when no image comes any more.
+  /// Waits for the next image. `capture_s`: capture time in seconds of the machine's monotonic clock (Clock,
+  /// CLOCK_MONOTONIC). False if a file has ended, or after stop(). \throw Error naming camera and source if
+  /// no more images arrive.
   virtual bool read(LiveImage& image, double& capture_s) = 0;
 
-  /// From any thread: a read that waits for a file's next frame returns. One that waits for a device or a
-  /// network returns when that gives up, after some seconds.
+  /// Callable from any thread. A read that waits for a file's next frame returns at once; one that waits for
+  /// a device or network returns after its timeout of some seconds.
   virtual void stop() {}
 };
 
-/// Opens the source of camera `name`. \throw Error naming both, and what would be right.
+/// Opens a camera's source. \throw Error naming camera and source, and what is expected.
 std::unique_ptr<CameraSource> openSource(const NamedSource& camera, const SourceOptions& options = {});
 
-/// Now, on the clock of capture times.
+/// The current time on the clock of capture times, seconds.
 inline double secondsNow() {
   return std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
 }
 
-/// Capture times from arrivals. The way from the sensor to us takes a time that varies, but is never shorter
-/// than some least one: of a stream's own times (or the count of frames) and the arrivals, the lower envelope
-/// of arrival - stream time is the stream's clock plus that least delay. The jitter is gone; the delay itself
-/// nobody can tell from one camera alone (capture/cameras/clock_offsets.h compares cameras).
+/// Estimates capture times from arrival times. The delay from the sensor varies but has a minimum, so the
+/// lower envelope of (arrival - stream time) is the offset of the stream's clock plus the minimum delay. This
+/// removes the jitter. The minimum delay itself cannot be determined from one camera
+/// (capture/cameras/clock_offsets.h compares cameras).
 class ArrivalClock {
  public:
-  /// When the frame with the stream's time `stream_s` was taken, `least delay` late.
+  /// The capture time plus the minimum delay, for a frame with the stream time `stream_s`.
   double captureOf(double arrival_s, double stream_s);
 
-  /// Frames over which the envelope is taken: 4 s at 30 Hz. Clocks that part by 100 ppm move it by 0.4 ms.
+  /// Frames in the envelope: 4 s at 30 Hz. A clock drift of 100 ppm moves it by 0.4 ms.
   static constexpr std::size_t kFrames = 120;
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Rays on a fine common grid of times, by local quadratic fits, so that an offset is a shift of the grid;
-// how steady their distance is for each shift; a parabola about the best.
+// Interpolates rays on a fine common time grid by local quadratic fits, so that an offset is a shift of the
+// grid; computes the variance of their distance for each shift; and fits a parabola around the minimum.
 #include "capture/cameras/clock_offsets.h"
 
 #include <Eigen/Dense>
@@ -14,22 +14,23 @@
 namespace airclay {
 namespace {
 
-// Steps of the grid a frame: the parabola does the rest.
+// Grid steps per frame; the parabola refines further.
 constexpr int kStepsPerFrame = 8;
-// The width of the local fits, in frames: some five frames make a place. Narrower leaves noise.
+// The width of the local fits, in frames: about five frames contribute to a position. Narrower fits leave
+// noise.
 constexpr double kWidthFrames = 1.2;
-constexpr double kLeastSeconds = 3;
-// A pair tells its offset only if that makes the distance so much steadier than others do, in variance ...
-constexpr double kLeastGain = 4;
-// ... and no offset elsewhere comes so near to it.
+constexpr double kMinDurationS = 3;
+// A pair determines its offset only if it reduces the variance by this factor compared with other offsets …
+constexpr double kMinGain = 4;
+// … and no separate minimum is within this factor.
 constexpr double kRivalGain = 2;
-// An hour at 30 Hz is less; what is more is no recording of a waving hand.
-constexpr double kMostSteps = 1e6;
+// An hour at 30 Hz is less; more is not a recording of a waving hand.
+constexpr double kMaxSteps = 1e6;
 
-/// A camera's rays at the grid's times.
+/// A camera's rays at the grid times.
 struct Rays {
   Vec3 centre = Vec3::Zero();  ///< of the camera, world
-  std::vector<Vec3> at;        ///< directions, world, unit; NaN where it saw nothing
+  std::vector<Vec3> at;        ///< unit directions, world; NaN where the camera does not see the hand
 };
 
 struct Grid {
@@ -38,7 +39,7 @@ struct Grid {
 };
 
 struct Range {
-  long begin, end;  ///< of the grid
+  long begin, end;  ///< grid indices
 };
 
 double medianPeriod(const std::vector<double>& times_s) {
@@ -47,8 +48,8 @@ double medianPeriod(const std::vector<double>& times_s) {
   return median(std::move(periods));
 }
 
-/// The value at `time_s` of the quadratic that fits the centroids around it best, weighted by a Gaussian.
-/// Local fits need no even times (Fan and Gijbels 1996, 3.1).
+/// The value at `time_s` of the quadratic that best fits the centroids around it, weighted by a Gaussian.
+/// Local fits do not require uniform times (Fan and Gijbels 1996, 3.1).
 std::optional<Vec2> centroidAt(const MotionSeries& series, double time_s, double width_s) {
   const auto first = std::lower_bound(series.times_s.begin(), series.times_s.end(), time_s - 3 * width_s);
   Mat3 normal = Mat3::Zero();
@@ -63,7 +64,7 @@ std::optional<Vec2> centroidAt(const MotionSeries& series, double time_s, double
     right += weight * powers * centroid.transpose();
     before = std::min(before, x), after = std::max(after, x);
   }
-  if (count < 5 || before > -1 || after < 1) return std::nullopt;  // it would be an extrapolation
+  if (count < 5 || before > -1 || after < 1) return std::nullopt;  // would extrapolate
   return Vec2(normal.ldlt().solve(right).row(0).transpose());
 }
 
@@ -80,9 +81,8 @@ Rays raysOf(const Camera& camera, const MotionSeries& series, const Grid& grid, 
   return rays;
 }
 
-/// The variance of the distance between the rays a(i) and b(i + shift); infinite where they have too little
-/// in common.
-double unsteadiness(const Rays& a, const Rays& b, long shift, Range range) {
+/// The variance of the distance between the rays a(i) and b(i + shift); infinite if they overlap too little.
+double distanceVariance(const Rays& a, const Rays& b, long shift, Range range) {
   double sum_m = 0, squares_m2 = 0, count = 0;
   const Vec3 base = b.centre - a.centre;
   const long end = std::min(range.end, static_cast<long>(b.at.size()) - shift);
@@ -96,22 +96,22 @@ double unsteadiness(const Rays& a, const Rays& b, long shift, Range range) {
   return std::max(0.0, squares_m2 / count - sum_m * sum_m / (count * count));
 }
 
-/// What a pair of cameras tells.
+/// The estimate from one pair of cameras.
 struct PairOffset {
   double offset_s = 0;  ///< b's clock - a's
-  double weight = 0;    ///< the inverse of its variance, but for a factor; 0: it tells nothing
+  double weight = 0;    ///< proportional to the inverse variance; 0: undetermined
   bool repeats = false;
 };
 
 PairOffset offsetOf(const Rays& a, const Rays& b, const Grid& grid, Range range, long most) {
   std::vector<double> costs;
-  for (long shift = -most; shift <= most; ++shift) costs.push_back(unsteadiness(a, b, shift, range));
+  for (long shift = -most; shift <= most; ++shift) costs.push_back(distanceVariance(a, b, shift, range));
   const auto cost = [&](long i) { return costs[static_cast<std::size_t>(i)]; };
   const long best = std::min_element(costs.begin(), costs.end()) - costs.begin();
   PairOffset pair;
   if (!std::isfinite(cost(best))) return pair;
 
-  // A parabola by least squares through the steps of half a frame to both sides.
+  // A least-squares parabola through the steps within half a frame on both sides.
   constexpr long half = kStepsPerFrame / 2;
   const long middle = std::clamp(best, half, 2 * most - half);
   Mat3 normal = Mat3::Zero();
@@ -128,17 +128,17 @@ PairOffset offsetOf(const Rays& a, const Rays& b, const Grid& grid, Range range,
   const double lowest = std::clamp(-parabola.y() / (2 * parabola.z()), -double(half), double(half));
   pair.offset_s = (static_cast<double>(middle - most) + lowest) * grid.step_s;
 
-  // Up from the valley to both sides; what lies beyond the hills and is as low is a rival.
+  // The valley around the minimum; a similarly low value outside it is a rival.
   long left = best, beyond = best;
   while (left > 0 && cost(left - 1) >= cost(left)) --left;
   while (beyond < 2 * most && cost(beyond + 1) >= cost(beyond)) ++beyond;
   double rival = INFINITY;
   for (long i = 0; i <= 2 * most; ++i)
     if (i < left || i > beyond) rival = std::min(rival, cost(i));
-  const double least = std::max(cost(best), 1e-12);  // a micrometre, squared: not from pixels
+  const double least = std::max(cost(best), 1e-12);  // (1 µm)²: below the resolution of pixels
   std::vector<double> sorted = costs;
   std::sort(sorted.begin(), sorted.end());
-  const bool moves = sorted[sorted.size() / 2] > kLeastGain * least;
+  const bool moves = sorted[sorted.size() / 2] > kMinGain * least;
   pair.repeats = moves && rival < kRivalGain * least;
   if (moves && !pair.repeats) pair.weight = parabola.z() / least;
   return pair;
@@ -155,7 +155,7 @@ Pairs allPairs(const std::vector<Rays>& cameras, const Grid& grid, Range range, 
   return pairs;
 }
 
-/// The offsets that agree best with all pairs', camera 0's being 0.
+/// The offsets that best fit all pairs, with camera 0 at 0.
 std::vector<double> solvePairs(const Pairs& pairs) {
   const auto count = static_cast<Eigen::Index>(pairs.size());
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(count, count);
@@ -174,34 +174,34 @@ std::vector<double> solvePairs(const Pairs& pairs) {
   return result;
 }
 
-/// Each camera must be tied to the first one by pairs that tell something.
-void checkTied(const Pairs& pairs, const Rig& rig) {
-  std::vector<bool> tied(pairs.size(), false);
-  tied[0] = true;
+/// \throw Error unless each camera is connected to the first one by pairs with a weight.
+void checkConnected(const Pairs& pairs, const Rig& rig) {
+  std::vector<bool> connected(pairs.size(), false);
+  connected[0] = true;
   for (std::size_t round = 0; round < pairs.size(); ++round)
     for (std::size_t a = 0; a < pairs.size(); ++a)
       for (std::size_t b = a + 1; b < pairs.size(); ++b)
-        if (pairs[a][b].weight > 0 && tied[a] != tied[b]) tied[a] = tied[b] = true;
+        if (pairs[a][b].weight > 0 && connected[a] != connected[b]) connected[a] = connected[b] = true;
   for (std::size_t c = 1; c < pairs.size(); ++c) {
-    if (tied[c]) continue;
+    if (connected[c]) continue;
     bool repeats = false;
     for (std::size_t a = 0; a < c; ++a) repeats |= pairs[a][c].repeats;
-    throw Error("the clock of camera \"" + rig.cameras[c].name + "\" cannot be told: " +
-                (repeats ? "the motion repeats itself, so that several offsets fit; an irregular one"
-                         : "it did not see one motion with the others; one hand that moves freely") +
-                ", for 10 s before all cameras, would be right");
+    throw Error("the clock offset of camera \"" + rig.cameras[c].name + "\" cannot be determined: " +
+                (repeats ? "the motion is periodic, so that several offsets fit; expected an irregular motion"
+                         : "it did not see the same motion as the others; expected one freely moving hand") +
+                ", in front of all cameras for 10 s");
   }
 }
 
 void checkSeries(const MotionSeries& series, const std::string& name) {
-  const std::string who = "the clock of camera \"" + name + "\" cannot be told: ";
+  const std::string prefix = "the clock offset of camera \"" + name + "\" cannot be determined: ";
   if (series.times_s.size() != series.centroid_px.size() || series.times_s.size() < 10 ||
-      series.times_s.back() - series.times_s.front() < kLeastSeconds)
-    throw Error(who +
-                "it saw the hand for too short; a hand that moves freely for 10 s before all cameras "
-                "would be right");
+      series.times_s.back() - series.times_s.front() < kMinDurationS)
+    throw Error(prefix +
+                "it saw the hand for too short a time; expected a freely moving hand in front of all cameras "
+                "for 10 s");
   if (!std::is_sorted(series.times_s.begin(), series.times_s.end()))
-    throw Error(who + "its times run back; growing times would be right");
+    throw Error(prefix + "its times run backwards; expected increasing times");
 }
 
 }  // namespace
@@ -216,22 +216,22 @@ ClockOffsets estimateClockOffsets(const Rig& rig, const std::vector<MotionSeries
     period_s = std::max(period_s, medianPeriod(cameras[c].times_s));
   }
   Grid grid{first_s, period_s / kStepsPerFrame, 0};
-  if (!(grid.step_s > 0) || (last_s - first_s) / grid.step_s > kMostSteps)
-    throw Error("the clocks cannot be told from so long a recording; some 10 s would be right");
+  if (!(grid.step_s > 0) || (last_s - first_s) / grid.step_s > kMaxSteps)
+    throw Error("the recording is too long to determine clock offsets; expected about 10 s");
   grid.count = static_cast<long>((last_s - first_s) / grid.step_s) + 1;
   std::vector<Rays> rays;
   for (std::size_t c = 0; c < cameras.size(); ++c)
     rays.push_back(raysOf(rig.cameras[c], cameras[c], grid, kWidthFrames * period_s));
 
   const Pairs pairs = allPairs(rays, grid, {0, grid.count}, options.max_offset_s);
-  checkTied(pairs, rig);
+  checkConnected(pairs, rig);
   ClockOffsets result;
   result.offset_s = solvePairs(pairs);
   result.deviation_s.assign(cameras.size(), 0);
   for (long third = 0; third < 3; ++third) {
     const Range range{third * grid.count / 3, (third + 1) * grid.count / 3};
     const std::vector<double> offsets_s = solvePairs(allPairs(rays, grid, range, options.max_offset_s));
-    // The mean of three has a third of the variance of one; of which we have two degrees of freedom.
+    // Sample variance with two degrees of freedom, divided by 3 for the mean of three.
     for (std::size_t c = 0; c < cameras.size(); ++c)
       result.deviation_s[c] += std::pow(offsets_s[c] - result.offset_s[c], 2) / 2 / 3;
   }

@@ -6,7 +6,7 @@
 #include "engine/core/error.h"
 
 #ifdef __SANITIZE_ADDRESS__
-// GLib leaves its table of names behind when it makes a larger one, for threads that still read it.
+// GLib does not free its old table of names when it grows, because other threads may still read it.
 extern "C" {
 const char* __lsan_default_suppressions();
 const char* __lsan_default_suppressions() {
@@ -21,12 +21,12 @@ const char* __lsan_default_options() {
 
 namespace airclay {
 
-void startGStreamer(std::initializer_list<NeededElement> elements) {
+void startGStreamer(std::initializer_list<RequiredElement> elements) {
   gst_init(nullptr, nullptr);
-  for (const NeededElement& element : elements)
+  for (const RequiredElement& element : elements)
     if (!GObjectPtr<GstElementFactory>(gst_element_factory_find(element.name)))
-      throw Error(std::string("GStreamer has no element ") + element.name + "; the package " +
-                  element.package + ", installed, would be right");
+      throw Error(std::string("GStreamer has no element ") + element.name + "; install the package " +
+                  element.package);
 }
 
 GObjectPtr<GstElement> elementOf(GstElement* pipeline, const char* name) {

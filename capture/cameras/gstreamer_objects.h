@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the two ends of a stream share: GObject's owners. Only for files that see GStreamer.
+// Owners of GObject references, for the sources and the stream server. Only for files that include GStreamer.
 #pragma once
 
 #include <gst/gst.h>
@@ -19,14 +19,14 @@ struct GObjectDeleter {
 template <typename T>
 using GObjectPtr = std::unique_ptr<T, GObjectDeleter>;
 
-struct NeededElement {
+struct RequiredElement {
   const char* name;
-  const char* package;  ///< Debian's, that it comes in
+  const char* package;  ///< the Debian package that contains it
 };
-/// Begins to use GStreamer. \throw Error naming an element that is not installed, and its package.
-void startGStreamer(std::initializer_list<NeededElement> elements);
+/// Initializes GStreamer. \throw Error naming an element that is not installed, and its package.
+void startGStreamer(std::initializer_list<RequiredElement> elements);
 
-/// The element of this name in a pipeline that has one.
+/// The pipeline's element with this name. \pre it exists
 GObjectPtr<GstElement> elementOf(GstElement* pipeline, const char* name);
 
 }  // namespace airclay

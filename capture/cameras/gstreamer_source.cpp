@@ -16,35 +16,35 @@
 namespace airclay {
 namespace {
 
-// A stream that is silent for so long is lost; it is opened again then.
+// A stream that is silent for this long is lost, and is then reopened.
 constexpr double kOpenS = 4, kReadS = 2;
-// How long a wait is before faults, and the wish to stop, are looked for.
-constexpr double kLookAgainS = 0.05;
-// Where the stream does not say its rate, so many images do.
+// The interval between checks for errors and for stop().
+constexpr double kPollS = 0.05;
+// The rate of a stream that does not declare one is measured over this many images.
 constexpr std::size_t kImagesForRate = 10;
 constexpr double kDefaultRateHz = 30;
 
-// The times are those of the stream, as they stand; hardware's decoders need drivers, and hold images back.
+// Times are taken from the stream unchanged. Hardware decoders need drivers and delay images.
 constexpr const char* kRtsp =
     "rtspsrc name=stream protocols=tcp latency=0 buffer-mode=none ! decodebin force-sw-decoders=true";
-// Whatever a pipeline ends in, we take from it the newest image as BGR.
+// Appended to a pipeline: delivers its newest image as BGR.
 constexpr const char* kEnd =
     " ! videoconvert ! video/x-raw,format=BGR ! appsink max-buffers=1 drop=true sync=false";
 
-/// \throw Error with `before` in front
+/// \throw Error starting with `before`
 GObjectPtr<GstElement> pipelineFrom(const std::string& description, const std::string& before) {
   GError* error = nullptr;
-  GstElement* const made =
+  GstElement* const pipeline =
       gst_parse_launch_full(description.c_str(), nullptr, GST_PARSE_FLAG_FATAL_ERRORS, &error);
-  const std::string fault = error ? error->message : "";
+  const std::string reason = error ? error->message : "";
   g_clear_error(&error);
-  if (!made)
-    throw Error(before + "the GStreamer pipeline cannot be run (" + fault +
-                "); a pipeline that gst-launch-1.0 runs, with its plugins installed, would be right");
-  return GObjectPtr<GstElement>(GST_ELEMENT(gst_object_ref_sink(made)));
+  if (!pipeline)
+    throw Error(before + "the GStreamer pipeline cannot be run (" + reason +
+                "); expected a pipeline that gst-launch-1.0 runs, with its plugins installed");
+  return GObjectPtr<GstElement>(GST_ELEMENT(gst_object_ref_sink(pipeline)));
 }
 
-/// The first sink through which a program takes images; none when there is none.
+/// The first appsink, through which a program receives images; null if there is none.
 GObjectPtr<GstElement> appsinkOf(GstElement* pipeline) {
   if (GST_IS_APP_SINK(pipeline)) return GObjectPtr<GstElement>(GST_ELEMENT(g_object_ref(pipeline)));
   if (!GST_IS_BIN(pipeline)) return nullptr;
@@ -71,7 +71,8 @@ class GStreamerSource : public CameraSource {
         description.find("appsink") == std::string::npos ? description + kEnd : description, where_);
     images_ = appsinkOf(pipeline_.get());
     if (!images_)
-      throw Error(where_ + "the GStreamer pipeline has no appsink; one, or none at all, would be right");
+      throw Error(where_ +
+                  "the GStreamer pipeline has no appsink; add one, or leave it out to have it appended");
     if (rtsp) prepareStream(camera.source.text);
     try {
       open(rtsp);
@@ -90,11 +91,10 @@ class GStreamerSource : public CameraSource {
     const GObjectPtr<GstSample> sample = next(kReadS);
     if (stopped_) return false;
     if (!sample)
-      throw Error(where_ + "no image comes any more (unplugged, ended, or the network is gone" + fault_ +
-                  ")");
+      throw Error(where_ + "no more images arrive (unplugged, ended, or the network failed" + fault_ + ")");
     const double arrival_s = secondsNow();
     const GstClockTime time = GST_BUFFER_PTS(gst_sample_get_buffer(sample.get()));
-    // a pipeline may give no times, or such as say nothing
+    // a pipeline may deliver no times, or invalid ones
     const bool grows = GST_CLOCK_TIME_IS_VALID(time) && time > last_;
     capture_s = grows ? clock_.captureOf(arrival_s, double(time) * 1e-9) : arrival_s;
     if (GST_CLOCK_TIME_IS_VALID(time)) last_ = time;
@@ -107,14 +107,15 @@ class GStreamerSource : public CameraSource {
   void prepareStream(const std::string& address) {
     const GObjectPtr<GstElement> stream = elementOf(pipeline_.get(), "stream");
     g_object_set(stream.get(), "location", address.c_str(), nullptr);
-    // a camera's microphone would take the decoder's place
+    // otherwise a camera's microphone stream could occupy the decoder
     g_signal_connect(stream.get(), "select-stream",
                      G_CALLBACK(+[](GstElement*, guint, GstCaps* caps, gpointer) -> gboolean {
                        const char* media = gst_structure_get_string(gst_caps_get_structure(caps, 0), "media");
                        return media && std::strcmp(media, "video") == 0;
                      }),
                      nullptr);
-    // who comes between two whole images waits for the next one: what is decoded without it is a grey smear
+    // a client that connects between two key frames waits for the next one: images decoded without it are
+    // grey
     g_signal_connect(pipeline_.get(), "deep-element-added",
                      G_CALLBACK(+[](GstBin*, GstBin*, GstElement* element, gpointer) {
                        if (g_object_class_find_property(G_OBJECT_GET_CLASS(element), "output-corrupt"))
@@ -129,14 +130,14 @@ class GStreamerSource : public CameraSource {
     const std::string why = fault_.empty() ? "" : " (" + fault_.substr(2) + ")";
     if (!first && rtsp)
       throw Error(where_ + "no stream answers there" + why +
-                  "; the address of a camera or server that is running would be right");
+                  "; expected the address of a running camera or server");
     if (!first)
-      throw Error(where_ + "the GStreamer pipeline gives no image" + why +
-                  "; a pipeline that gst-launch-1.0 runs, with its plugins installed, would be right");
+      throw Error(where_ + "the GStreamer pipeline delivers no image" + why +
+                  "; expected a pipeline that gst-launch-1.0 runs, with its plugins installed");
     const GstVideoInfo info = infoOf(first.get());
     size_ = {info.width, info.height};
-    const double told_hz = info.fps_d > 0 ? double(info.fps_n) / info.fps_d : 0;
-    rate_hz_ = told_hz > 0 && told_hz <= 1000 ? told_hz : measuredRate();
+    const double declared_hz = info.fps_d > 0 ? double(info.fps_n) / info.fps_d : 0;
+    rate_hz_ = declared_hz > 0 && declared_hz <= 1000 ? declared_hz : measuredRate();
   }
 
   double measuredRate() {
@@ -152,14 +153,13 @@ class GStreamerSource : public CameraSource {
     return std::clamp(1 / median(std::move(periods_s)), 1.0, 1000.0);
   }
 
-  /// The next image; none when there is none so long, or no more, or after stop(). `fault_` says why, where
-  /// that is known.
+  /// The next image; null on a timeout, at the end, or after stop(). `fault_` has the reason, if known.
   GObjectPtr<GstSample> next(double wait_s) {
     const double until_s = secondsNow() + wait_s;
     const GObjectPtr<GstBus> bus(gst_element_get_bus(pipeline_.get()));
     while (!stopped_ && secondsNow() < until_s) {
-      if (GObjectPtr<GstSample> sample{gst_app_sink_try_pull_sample(GST_APP_SINK(images_.get()),
-                                                                    GstClockTime(kLookAgainS * GST_SECOND))})
+      if (GObjectPtr<GstSample> sample{
+              gst_app_sink_try_pull_sample(GST_APP_SINK(images_.get()), GstClockTime(kPollS * GST_SECOND))})
         return sample;
       const GObjectPtr<GstMessage> message(
           gst_bus_pop_filtered(bus.get(), GstMessageType(GST_MESSAGE_ERROR | GST_MESSAGE_EOS)));
@@ -168,7 +168,7 @@ class GStreamerSource : public CameraSource {
         GError* error = nullptr;
         gchar* details = nullptr;
         gst_message_parse_error(message.get(), &error, &details);
-        // "Not Found (404)": the last line of the details, which else are places in GStreamer's code
+        // "Not Found (404)": the last line of the details; the others are locations in GStreamer's code
         fault_ = ": " + (details ? std::string(details) : std::string(error->message));
         if (const std::size_t line = fault_.rfind('\n'); line != std::string::npos)
           fault_ = ": " + fault_.substr(line + 1);
@@ -185,8 +185,7 @@ class GStreamerSource : public CameraSource {
     if (!gst_video_info_from_caps(&info, gst_sample_get_caps(sample)) ||
         GST_VIDEO_INFO_FORMAT(&info) != GST_VIDEO_FORMAT_BGR)
       throw Error(where_ +
-                  "the images are not BGR; videoconvert ! video/x-raw,format=BGR before the appsink "
-                  "would be right");
+                  "the images are not BGR; insert videoconvert ! video/x-raw,format=BGR before the appsink");
     return info;
   }
 
@@ -195,7 +194,7 @@ class GStreamerSource : public CameraSource {
     image.size = {info.width, info.height};
     if (image.size != size_)
       throw Error(where_ + "the image's size changed to " + std::to_string(info.width) + " x " +
-                  std::to_string(info.height) + "; one size throughout would be right");
+                  std::to_string(info.height) + "; expected the same size throughout");
     GstVideoFrame frame;
     if (!gst_video_frame_map(&frame, &info, gst_sample_get_buffer(sample), GST_MAP_READ))
       throw Error(where_ + "an image cannot be read");
@@ -214,7 +213,7 @@ class GStreamerSource : public CameraSource {
   double rate_hz_ = kDefaultRateHz;
   ArrivalClock clock_;
   GstClockTime last_ = 0;
-  std::string fault_;  ///< ": " and what GStreamer says, or empty
+  std::string fault_;  ///< ": " and GStreamer's message, or empty
   std::atomic<bool> stopped_ = false;
 };
 

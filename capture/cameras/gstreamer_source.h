@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// RTSP streams, and pipelines in words, as cameras.
+// RTSP streams and GStreamer pipelines as cameras.
 #pragma once
 
 #include <memory>
@@ -8,12 +8,11 @@
 
 namespace airclay {
 
-/// Opens rtsp://… (over TCP), or a GStreamer pipeline. For RTSP, OpenCV's FFmpeg would deliver every image
-/// late, by one frame for its parser and one for each processor but the first, on which it decodes side by
-/// side: half a second on a machine with 16. This takes the decoding alone, some milliseconds. And OpenCV's
-/// GStreamer waits without end for a pipeline that gives no image.
-/// \throw Error naming camera and source when no image has come after four seconds, or when the words are
-/// no pipeline
+/// Opens rtsp://… (over TCP) or a GStreamer pipeline. For RTSP, OpenCV's FFmpeg delivers images late, by one
+/// frame for its parser and one for each processor but the first, because it decodes frames in parallel: half
+/// a second on a machine with 16 processors. This source is late only by the decoding, a few milliseconds.
+/// And OpenCV's GStreamer backend waits forever for a pipeline that delivers no image. \throw Error naming
+/// camera and source if no image has arrived after four seconds, or the pipeline is invalid
 std::unique_ptr<CameraSource> openGStreamerSource(const NamedSource& camera);
 
 }  // namespace airclay

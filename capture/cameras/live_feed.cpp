@@ -7,14 +7,14 @@
 namespace airclay {
 namespace {
 
-// A camera that is silent for so long is frozen: at 1 m/s the hand is elsewhere by half a metre.
+// A camera that is silent for this long is frozen: at 1 m/s the hand has moved half a metre.
 constexpr double kFrozenS = 0.5;
-// A sensor's noise makes every image another; the same bytes for so long come from a stuck driver.
+// Sensor noise makes every image different; identical bytes for this long indicate a stuck driver.
 constexpr double kSameImageS = 2;
-// A camera may take so long to give its first image.
+// The time that a camera may take to deliver its first image.
 constexpr double kFirstImageS = 3;
-// Below this share of its rate a camera is late.
-constexpr double kLateShare = 0.8;
+// A camera below this fraction of its rate is late.
+constexpr double kLateRateFraction = 0.8;
 
 }  // namespace
 
@@ -23,7 +23,7 @@ double Feed::measuredHz(double now_s) const {
                                   [&](double arrival_s) { return now_s - arrival_s <= kRateWindowS; });
   const auto count = arrivals_s.end() - first;
   if (count < 2) return 0;
-  // Since its last image, too, time has passed: the rate of a camera that stops falls.
+  // Includes the time since the last image, so that the rate of a stopped camera falls.
   const double silent_s = std::max(0.0, now_s - arrivals_s.back() - 1 / rate_hz);
   return static_cast<double>(count - 1) / (arrivals_s.back() - *first + silent_s);
 }
@@ -34,12 +34,12 @@ bool Feed::isStuck(double now_s) const {
 
 CameraState Feed::stateAt(double now_s, double others_capture_s) const {
   if (camera_problem != CameraState::kLive) return camera_problem;
-  const bool has_come = !arrivals_s.empty() && arrivals_s.back() >= opened_s;
-  if (!has_come) return now_s - opened_s > kFirstImageS ? CameraState::kFrozen : CameraState::kLive;
+  const bool has_image = !arrivals_s.empty() && arrivals_s.back() >= opened_s;
+  if (!has_image) return now_s - opened_s > kFirstImageS ? CameraState::kFrozen : CameraState::kLive;
   const double silent_s = now_s - arrivals_s.back();
   if (silent_s > std::max(kFrozenS, 2.5 / rate_hz) || isStuck(now_s)) return CameraState::kFrozen;
   const bool rate_known = now_s - opened_s > kRateWindowS;
-  const bool slow = rate_known && measuredHz(now_s) < kLateShare * rate_hz;
+  const bool slow = rate_known && measuredHz(now_s) < kLateRateFraction * rate_hz;
   const bool behind = others_capture_s - last_capture_s > std::max(kFrozenS, 2.5 / rate_hz);
   return slow || behind || silent_s > std::max(0.1, 2.5 / rate_hz) ? CameraState::kLate : CameraState::kLive;
 }
@@ -59,7 +59,7 @@ CameraStatus Feed::statusAt(double now_s) const {
   return one;
 }
 
-/// Words, multiplied (the constant of Knuth's multiplicative hashing).
+/// Multiplicative hashing of 8-byte words, with Knuth's constant.
 std::uint64_t fingerprint(const std::vector<std::uint8_t>& bytes) {
   std::uint64_t hash = bytes.size();
   for (std::size_t i = 0; i + 8 <= bytes.size(); i += 8) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What LiveCameras knows of one of its cameras, and the state that follows from it.
+// The data of one camera in LiveCameras, and the state derived from it.
 #pragma once
 
 #include <deque>
@@ -9,10 +9,10 @@
 
 namespace airclay {
 
-/// Rates are measured over so long.
+/// The interval over which rates are measured.
 inline constexpr double kRateWindowS = 2;
 
-/// What is known of one camera.
+/// One camera's data.
 struct Feed {
   struct Kept {
     std::uint64_t id;
@@ -24,10 +24,10 @@ struct Feed {
   double rate_hz = 30;
   TimeOrigin times = TimeOrigin::kArrival;
 
-  CameraState camera_problem = CameraState::kLive;  ///< kLost, kReconnecting, kEnded, or none
+  CameraState camera_problem = CameraState::kLive;  ///< kLost, kReconnecting, kEnded; kLive: none
   bool done = false;                                ///< its thread has ended
-  CameraSource* reading = nullptr;                  ///< what its thread reads from now
-  std::deque<Kept> kept;                            ///< images whose frames wait in the matcher
+  CameraSource* reading = nullptr;                  ///< the source that its thread currently reads from
+  std::deque<Kept> kept;                            ///< images of the frames queued in the matcher
   std::uint64_t frames = 0, gaps = 0;
   int opened = 0;
   double opened_s = 0;
@@ -36,17 +36,18 @@ struct Feed {
   std::uint64_t last_fingerprint = 0;
   double same_since_s = 0;
   double skew_s = 0;
-  double lag_s = 0;  ///< from its capture to here: the longest, fading over some seconds
+  double lag_s = 0;  ///< the longest delay from capture to arrival, decaying over some seconds
   std::string fault;
 
   double measuredHz(double now_s) const;
   CameraState stateAt(double now_s, double others_capture_s) const;
   bool isStuck(double now_s) const;
-  /// All but what is a matter of the other cameras: the state and what the matcher dropped.
+  /// All fields except those that depend on other cameras: the state, and the frames that the matcher
+  /// dropped.
   CameraStatus statusAt(double now_s) const;
 };
 
-/// Tells equal images from others.
+/// A hash to detect identical images.
 std::uint64_t fingerprint(const std::vector<std::uint8_t>& bytes);
 
 }  // namespace airclay

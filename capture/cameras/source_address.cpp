@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What of camera_source.h needs no OpenCV: a source's words, and times from arrivals.
+// The parts of camera_source.h that do not need OpenCV: parsing of sources, and times from arrivals.
 #include <algorithm>
 #include <cctype>
 #include <cstring>
@@ -27,14 +27,14 @@ bool isPattern(const std::string& text) {
 Source parseSource(const std::string& source) {
   const auto startsWith = [&](const char* scheme) { return source.starts_with(scheme); };
   const std::string forms =
-      "a device number or /dev/videoN, a video file, a folder or pattern of images (img_%04d.png), "
-      "rtsp://... or gst: and a pipeline would be right";
+      "expected a device number or /dev/videoN, a video file, a folder or pattern of images (img_%04d.png), "
+      "rtsp://... or gst: and a pipeline";
   if (source.empty()) throw Error("the source is empty; " + forms);
   if (isNumber(source)) return {SourceKind::kDevice, "/dev/video" + std::to_string(std::stoi(source))};
   if (startsWith("/dev/")) return {SourceKind::kDevice, source};
   if (startsWith("gst:")) {
     const std::size_t first = source.find_first_not_of(' ', 4);
-    if (first == std::string::npos) throw Error("the source \"gst:\" has no pipeline behind it; " + forms);
+    if (first == std::string::npos) throw Error("the source \"gst:\" has no pipeline; " + forms);
     return {SourceKind::kPipeline, source.substr(first)};
   }
   for (const char* scheme : {"rtsp://", "rtsps://", "rtmp://", "http://", "https://", "tcp://", "udp://"})
@@ -42,7 +42,7 @@ Source parseSource(const std::string& source) {
   if (source.find('!') != std::string::npos && !std::filesystem::exists(source))
     return {SourceKind::kPipeline, source};
   if (const std::size_t scheme = source.find("://"); scheme != std::string::npos)
-    throw Error("\"" + source.substr(0, scheme) + "://\" is no kind of source; " + forms);
+    throw Error("\"" + source.substr(0, scheme) + "://\" is not a kind of source; " + forms);
   if (std::filesystem::is_directory(source) || isPattern(source)) return {SourceKind::kImages, source};
   return {SourceKind::kVideo, source};
 }
@@ -55,10 +55,11 @@ NamedSource parseNamedSource(const std::string& text) {
   };
   if (equals == std::string::npos || name.empty() || name.size() > 60 || name[0] == '.' ||
       !std::all_of(name.begin(), name.end(), fits))
-    throw Error("--camera " + text +
-                    ": it must be NAME=SOURCE, the name of letters, digits, '-', '_' and '.', as left=0 or "
-                    "left=left.mp4",
-                Fault::kUsage);
+    throw Error(
+        "--camera " + text +
+            ": it must be NAME=SOURCE with a name of letters, digits, '-', '_' and '.', such as left=0 "
+            "or left=left.mp4",
+        Fault::kUsage);
   try {
     return {name, parseSource(text.substr(equals + 1))};
   } catch (const Error& error) {
@@ -78,7 +79,7 @@ const char* nameOf(TimeOrigin origin) {
 }
 
 double ArrivalClock::captureOf(double arrival_s, double stream_s) {
-  // A step up that stays (the stream began anew, or its clock was set): the old envelope is of no use.
+  // A lasting step up (the stream restarted, or its clock was set) makes the old envelope invalid.
   constexpr std::size_t kFew = 8;
   constexpr double kStepS = 0.5;
   delays_s_.push_back(arrival_s - stream_s);

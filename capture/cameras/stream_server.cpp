@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A camera's thread takes its newest image and hands it to the pipeline of those who watch, if there are
-// any: appsrc, x264enc, rtph264pay. GStreamer's RTSP server makes that pipeline when the first one comes, and
-// takes it down when the last one has left.
+// A camera's thread passes its newest image to the pipeline of its clients, if there are any: appsrc,
+// x264enc, rtph264pay. GStreamer's RTSP server creates the pipeline for the first client and destroys it
+// after the last one.
 #include "capture/cameras/stream_server.h"
 
 #include <arpa/inet.h>
@@ -22,21 +22,21 @@
 namespace airclay {
 namespace {
 
-// How long a camera's thread waits for an image before it looks at its state.
+// How long a camera's thread waits for an image before it updates its state.
 constexpr double kWaitS = 0.1;
-// Whole images: somebody who comes waits half as long as this, on average.
+// The interval of key frames; a new client waits half of it on average.
 constexpr double kFullFrameEveryS = 0.5;
-// Constant quality: 20 is hard to tell from the original. Noise may cost up to half a bit a pixel (5 Mbit/s
-// for 640 x 480 at 30 Hz), over a third of a second.
+// Constant quality: 20 is hard to distinguish from the original. Noise may take up to half a bit per pixel (5
+// Mbit/s for 640 x 480 at 30 Hz), averaged over a third of a second.
 constexpr int kQuantizer = 20, kBufferMs = 333;
-constexpr double kMostBitsAPixel = 0.5;
-constexpr int kLeastKbit = 1000;
-// Images that wait for the encoder; the oldest is dropped when another comes.
-constexpr int kWaitingImages = 2;
-// Clients at a time, and how often those are looked for that are silent for a minute.
-constexpr guint kMostSessions = 64, kCleanupS = 5;
+constexpr double kMaxBitsPerPixel = 0.5;
+constexpr int kMinKbit = 1000;
+// Images queued for the encoder; the oldest is dropped when another arrives.
+constexpr int kQueuedImages = 2;
+// The number of simultaneous clients, and the interval of checks for clients that are silent for a minute.
+constexpr guint kMaxSessions = 64, kCleanupS = 5;
 
-/// A shared owner as a signal's data: it lives as long as the connection.
+/// Connects a signal with shared data, which lives as long as the connection.
 template <typename T>
 void connect(gpointer object, const char* signal, GCallback callback, const std::shared_ptr<T>& data) {
   g_signal_connect_data(
@@ -46,10 +46,10 @@ void connect(gpointer object, const char* signal, GCallback callback, const std:
 
 // ------------------------------------------------------------------------------------------------ a camera
 
-/// Files that are opened one after the other still run in step: all begin at the same time.
-class InStep : public CameraSource {
+/// Makes all files begin at the same time, although they are opened one after the other.
+class SynchronizedSource : public CameraSource {
  public:
-  InStep(std::unique_ptr<CameraSource> source, Clock::time_point start)
+  SynchronizedSource(std::unique_ptr<CameraSource> source, Clock::time_point start)
       : source_(std::move(source)), start_(start) {}
   ImageSize size() const override { return source_->size(); }
   double rateHz() const override { return source_->rateHz(); }
@@ -63,18 +63,20 @@ class InStep : public CameraSource {
   Clock::time_point start_;
 };
 
-LiveCamera inStep(const NamedSource& camera, const SourceOptions& options, Clock::time_point start) {
-  return {camera.name, [=] { return std::make_unique<InStep>(openSource(camera, options), start); }};
+LiveCamera synchronizedCamera(const NamedSource& camera, const SourceOptions& options,
+                              Clock::time_point start) {
+  return {camera.name,
+          [=] { return std::make_unique<SynchronizedSource>(openSource(camera, options), start); }};
 }
 
-/// The image's bytes become the buffer's.
+/// Moves the image's bytes to a GStreamer buffer.
 GstBuffer* bufferOf(LiveImage image) {
   const auto width = static_cast<guint>(image.size.width), height = static_cast<guint>(image.size.height);
   auto* const bytes = new std::vector<std::uint8_t>(std::move(image.bgr));
   GstBuffer* const buffer = gst_buffer_new_wrapped_full(
       GST_MEMORY_FLAG_READONLY, bytes->data(), bytes->size(), 0, bytes->size(), bytes,
       [](gpointer p) { delete static_cast<std::vector<std::uint8_t>*>(p); });
-  // our rows are tightly packed, GStreamer's own would begin at multiples of four
+  // our rows have no padding; GStreamer would align them to four bytes
   gsize offsets[GST_VIDEO_MAX_PLANES] = {};
   gint strides[GST_VIDEO_MAX_PLANES] = {3 * image.size.width};
   gst_buffer_add_video_meta_full(buffer, GST_VIDEO_FRAME_FLAG_NONE, GST_VIDEO_FORMAT_BGR, width, height, 1,
@@ -82,13 +84,13 @@ GstBuffer* bufferOf(LiveImage image) {
   return buffer;
 }
 
-class ServedCamera {
+class StreamedCamera {
  public:
-  ServedCamera(const NamedSource& camera, const SourceOptions& options, Clock::time_point start)
-      : cameras_(std::make_unique<LiveCameras>(std::vector{inStep(camera, options, start)})),
+  StreamedCamera(const NamedSource& camera, const SourceOptions& options, Clock::time_point start)
+      : cameras_(std::make_unique<LiveCameras>(std::vector{synchronizedCamera(camera, options, start)})),
         status_(cameras_->status()[0]) {}
 
-  /// Of its own thread.
+  /// Runs on a separate thread.
   void run() {
     while (!stopping_) {
       std::optional<LiveSet> set = cameras_->next(kWaitS);
@@ -120,14 +122,14 @@ class ServedCamera {
     const std::lock_guard lock(mutex_);
     return ended_;
   }
-  /// Whether who asks for it now would get images.
+  /// Whether a new client would get images.
   bool runs() const {
     const CameraState state = status().state;
     return !ended() && (state == CameraState::kLive || state == CameraState::kLate);
   }
 
-  /// From now on its images go there.
-  void watchedThrough(GObjectPtr<GstAppSrc> images) {
+  /// Sends the images to this appsrc from now on.
+  void setOutput(GObjectPtr<GstAppSrc> images) {
     const std::lock_guard lock(mutex_);
     images_ = std::move(images);
     last_ = 0;
@@ -141,45 +143,45 @@ class ServedCamera {
   }
 
  private:
-  /// Under the lock. The pipeline's clock is CLOCK_MONOTONIC, as that of capture times.
+  /// Called with the mutex locked. The pipeline's clock is CLOCK_MONOTONIC, like that of capture times.
   void push(LiveImage image, double capture_s) {
     if (!images_) return;
     const GstClockTime base = gst_element_get_base_time(GST_ELEMENT(images_.get()));
     const auto captured = static_cast<GstClockTime>(std::llround(capture_s * 1e9));
-    if (base == 0 || captured < base + last_) return;  // it doesn't run yet
+    if (base == 0 || captured < base + last_) return;  // not running yet
     last_ = captured - base + 1;
     GstBuffer* const buffer = bufferOf(std::move(image));
     GST_BUFFER_PTS(buffer) = captured - base;
     if (gst_app_src_push_buffer(images_.get(), buffer) == GST_FLOW_OK) ++streamed_;
   }
 
-  std::unique_ptr<LiveCameras> cameras_;  ///< this camera alone
+  std::unique_ptr<LiveCameras> cameras_;  ///< only this camera
   std::atomic<bool> stopping_ = false;
   mutable std::mutex mutex_;
   CameraStatus status_;
   bool ended_ = false;
-  GObjectPtr<GstAppSrc> images_;  ///< none: nobody watches
-  GstClockTime last_ = 0;         ///< the next image's least time
+  GObjectPtr<GstAppSrc> images_;  ///< null: no clients
+  GstClockTime last_ = 0;         ///< the earliest time of the next image
   std::uint64_t streamed_ = 0;
 };
 
 // ------------------------------------------------------------------------------------------- its pipeline
 
-/// What codes a camera's images. The colours are BT.601's whatever the size: OpenCV reads them so.
+/// The encoding pipeline. Colours are BT.601 for all sizes, as OpenCV assumes.
 std::string pipelineOf(const CameraStatus& camera) {
   const auto number = [](double value) { return std::to_string(std::lround(value)); };
   const ImageSize size = camera.size;
   const double pixels_hz = double(size.width) * size.height * camera.rate_hz;
-  const bool even = size.width % 2 == 0 && size.height % 2 == 0;  // I420's colours are halved
+  const bool even = size.width % 2 == 0 && size.height % 2 == 0;  // I420 subsamples colours by two
   return "( appsrc name=images is-live=true format=time block=false leaky-type=downstream max-bytes=0 "
          "max-buffers=" +
-         std::to_string(kWaitingImages) +
+         std::to_string(kQueuedImages) +
          " caps=\"video/x-raw,format=BGR,width=" + std::to_string(size.width) +
          ",height=" + std::to_string(size.height) + ",framerate=" + number(1000 * camera.rate_hz) +
          "/1000\" ! videoconvert ! video/x-raw,colorimetry=bt601,format=" + (even ? "I420" : "Y444") +
          " ! x264enc tune=zerolatency speed-preset=veryfast bframes=0 threads=1 pass=qual quantizer=" +
          std::to_string(kQuantizer) + " vbv-buf-capacity=" + std::to_string(kBufferMs) +
-         " bitrate=" + number(std::clamp(kMostBitsAPixel * pixels_hz / 1000, double(kLeastKbit), 1e6)) +
+         " bitrate=" + number(std::clamp(kMaxBitsPerPixel * pixels_hz / 1000, double(kMinKbit), 1e6)) +
          " key-int-max=" + number(std::max(1.0, kFullFrameEveryS * camera.rate_hz)) +
          " ! rtph264pay name=pay0 pt=96 config-interval=-1 aggregate-mode=zero-latency )";
 }
@@ -189,7 +191,7 @@ GObjectPtr<GstAppSrc> imagesOf(GstRTSPMedia* media) {
   return GObjectPtr<GstAppSrc>(GST_APP_SRC(elementOf(bin.get(), "images").release()));
 }
 
-void addStream(GstRTSPMountPoints* mounts, const std::shared_ptr<ServedCamera>& camera) {
+void addStream(GstRTSPMountPoints* mounts, const std::shared_ptr<StreamedCamera>& camera) {
   const CameraStatus status = camera->status();
   GstRTSPMediaFactory* const factory = gst_rtsp_media_factory_new();
   gst_rtsp_media_factory_set_launch(factory, pipelineOf(status).c_str());
@@ -197,21 +199,22 @@ void addStream(GstRTSPMountPoints* mounts, const std::shared_ptr<ServedCamera>& 
   gst_rtsp_media_factory_set_protocols(factory, GST_RTSP_LOWER_TRANS_TCP);
   const GObjectPtr<GstClock> clock(gst_system_clock_obtain());
   gst_rtsp_media_factory_set_clock(factory, clock.get());
-  connect(factory, "media-configure",
-          G_CALLBACK(+[](GstRTSPMediaFactory*, GstRTSPMedia* media, std::shared_ptr<ServedCamera>* watched) {
-            connect(media, "unprepared",
-                    G_CALLBACK(+[](GstRTSPMedia* gone, std::shared_ptr<ServedCamera>* left) {
-                      (*left)->leave(imagesOf(gone).get());
-                    }),
-                    *watched);
-            (*watched)->watchedThrough(imagesOf(media));
-          }),
-          camera);
+  connect(
+      factory, "media-configure",
+      G_CALLBACK(+[](GstRTSPMediaFactory*, GstRTSPMedia* media, std::shared_ptr<StreamedCamera>* watched) {
+        connect(media, "unprepared",
+                G_CALLBACK(+[](GstRTSPMedia* gone, std::shared_ptr<StreamedCamera>* left) {
+                  (*left)->leave(imagesOf(gone).get());
+                }),
+                *watched);
+        (*watched)->setOutput(imagesOf(media));
+      }),
+      camera);
   gst_rtsp_mount_points_add_factory(mounts, ("/" + status.name).c_str(), factory);
 }
 
-/// A path with or without a slash at its end, as GStreamer's mount points take it.
-bool asksFor(const GstRTSPContext& request, const std::string& name) {
+/// Whether a request is for this stream; like GStreamer's mount points, ignores a trailing slash.
+bool requests(const GstRTSPContext& request, const std::string& name) {
   std::string_view path = request.uri->abspath;
   while (path.ends_with('/')) path.remove_suffix(1);
   return path == "/" + name;
@@ -221,19 +224,18 @@ std::string inUrl(const std::string& address) {
   return address.find(':') == std::string::npos ? address : "[" + address + "]";
 }
 
-/// \throw Error (Fault::kUsage). A name would have to be looked up, which can take long.
+/// \throw Error (Fault::kUsage) unless the address is numeric: looking up a name can take long.
 void checkAddress(const StreamServerOptions& options) {
   in6_addr place;
   if (inet_pton(AF_INET, options.address.c_str(), &place) != 1 &&
       inet_pton(AF_INET6, options.address.c_str(), &place) != 1)
-    throw Error("address " + options.address +
-                    ": 127.0.0.1 (this machine alone), 0.0.0.0 (all that reach it) or another address of "
-                    "this machine would be right",
-                Fault::kUsage);
+    throw Error(
+        "address " + options.address +
+            ": expected 127.0.0.1 (only this machine), 0.0.0.0 (all machines that reach it) or another "
+            "address of this machine",
+        Fault::kUsage);
   if (options.port < 0 || options.port > 65535)
-    throw Error("port " + std::to_string(options.port) +
-                    ": 1 to 65535, or 0 for any that is free, would be "
-                    "right",
+    throw Error("port " + std::to_string(options.port) + ": expected 1 to 65535, or 0 for any free port",
                 Fault::kUsage);
 }
 
@@ -242,7 +244,7 @@ void checkAddress(const StreamServerOptions& options) {
 // ------------------------------------------------------------------------------------------- StreamServer
 
 struct StreamServer::Parts {
-  using Cameras = std::vector<std::shared_ptr<ServedCamera>>;
+  using Cameras = std::vector<std::shared_ptr<StreamedCamera>>;
 
   StreamServerOptions options;
   std::shared_ptr<Cameras> cameras = std::make_shared<Cameras>();
@@ -251,17 +253,17 @@ struct StreamServer::Parts {
   GObjectPtr<GstRTSPServer> server;
   GObjectPtr<GSource> connections;
   int port = 0;
-  std::thread accepting;               ///< runs `loop`: takes connections
+  std::thread accepting;               ///< runs `loop`: accepts connections
   std::vector<std::thread> streaming;  ///< one per camera
 
   explicit Parts(const StreamServerOptions& given) : options(given) {}
   ~Parts();
-  void takePort();
+  void bindPort();
   void begin();
 };
 
-/// Clients that come wait until begin().
-void StreamServer::Parts::takePort() {
+/// Clients that connect wait until begin().
+void StreamServer::Parts::bindPort() {
   server.reset(gst_rtsp_server_new());
   gst_rtsp_server_set_address(server.get(), options.address.c_str());
   gst_rtsp_server_set_service(server.get(), std::to_string(options.port).c_str());
@@ -271,28 +273,28 @@ void StreamServer::Parts::takePort() {
     const bool taken = g_error_matches(fault, G_IO_ERROR, G_IO_ERROR_ADDRESS_IN_USE);
     const std::string what = fault->message;
     g_error_free(fault);
-    throw Error(inUrl(options.address) + ":" + std::to_string(options.port) + " cannot be listened at: " +
-                    (taken ? "another program has the port; another --port would be right"
-                           : what + "; an address of this machine and a port from 1024 on would be right"),
+    throw Error("cannot listen at " + inUrl(options.address) + ":" + std::to_string(options.port) + ": " +
+                    (taken ? "another program uses the port; use another --port"
+                           : what + "; expected an address of this machine and a port of at least 1024"),
                 Fault::kUsage);
   }
   port = gst_rtsp_server_get_bound_port(server.get());
 }
 
 void StreamServer::Parts::begin() {
-  // A thread for each client: one that asks for a camera without images is not in the others' way.
+  // One thread per client, so that a request for a camera without images does not block others.
   const GObjectPtr<GstRTSPThreadPool> pool(gst_rtsp_server_get_thread_pool(server.get()));
   gst_rtsp_thread_pool_set_max_threads(pool.get(), -1);
   const GObjectPtr<GstRTSPSessionPool> sessions(gst_rtsp_server_get_session_pool(server.get()));
-  gst_rtsp_session_pool_set_max_sessions(sessions.get(), kMostSessions);
+  gst_rtsp_session_pool_set_max_sessions(sessions.get(), kMaxSessions);
   const GObjectPtr<GstRTSPMountPoints> mounts(gst_rtsp_server_get_mount_points(server.get()));
-  for (const std::shared_ptr<ServedCamera>& camera : *cameras) addStream(mounts.get(), camera);
+  for (const std::shared_ptr<StreamedCamera>& camera : *cameras) addStream(mounts.get(), camera);
   connect(server.get(), "client-connected",
           G_CALLBACK(+[](GstRTSPServer*, GstRTSPClient* client, std::shared_ptr<Cameras>* all) {
             connect(client, "pre-describe-request",
                     G_CALLBACK(+[](GstRTSPClient*, GstRTSPContext* asked, std::shared_ptr<Cameras>* those) {
-                      for (const std::shared_ptr<ServedCamera>& camera : **those)
-                        if (asksFor(*asked, camera->status().name) && !camera->runs())
+                      for (const std::shared_ptr<StreamedCamera>& camera : **those)
+                        if (requests(*asked, camera->status().name) && !camera->runs())
                           return GST_RTSP_STS_SERVICE_UNAVAILABLE;
                       return GST_RTSP_STS_OK;
                     }),
@@ -314,12 +316,12 @@ void StreamServer::Parts::begin() {
     g_main_loop_run(loop);
     g_main_context_pop_thread_default(context);
   });
-  for (const std::shared_ptr<ServedCamera>& camera : *cameras)
+  for (const std::shared_ptr<StreamedCamera>& camera : *cameras)
     streaming.emplace_back([camera] { camera->run(); });
 }
 
 StreamServer::Parts::~Parts() {
-  for (const std::shared_ptr<ServedCamera>& camera : *cameras) camera->stop();
+  for (const std::shared_ptr<StreamedCamera>& camera : *cameras) camera->stop();
   // Quit from within the loop: a loop that has not started yet would miss the call.
   const GObjectPtr<GSource> end(g_idle_source_new());
   g_source_set_callback(
@@ -350,10 +352,10 @@ StreamServer::StreamServer(const std::vector<NamedSource>& cameras, const Stream
                   {"rtph264pay", "gstreamer1.0-plugins-good"},
                   {"x264enc", "gstreamer1.0-plugins-ugly"}});
   parts_ = std::make_unique<Parts>(options);
-  parts_->takePort();
+  parts_->bindPort();
   const Clock::time_point start = Clock::now();
   for (const NamedSource& camera : cameras)
-    parts_->cameras->push_back(std::make_shared<ServedCamera>(camera, options.sources, start));
+    parts_->cameras->push_back(std::make_shared<StreamedCamera>(camera, options.sources, start));
   parts_->begin();
 }
 
@@ -365,7 +367,7 @@ int StreamServer::port() const {
 
 std::vector<StreamStatus> StreamServer::status() const {
   std::vector<StreamStatus> all;
-  for (const std::shared_ptr<ServedCamera>& camera : *parts_->cameras) {
+  for (const std::shared_ptr<StreamedCamera>& camera : *parts_->cameras) {
     camera->statusTo(all.emplace_back());
     all.back().address = "rtsp://" + inUrl(parts_->options.address) + ":" + std::to_string(port()) + "/" +
                          all.back().camera.name;
@@ -375,7 +377,7 @@ std::vector<StreamStatus> StreamServer::status() const {
 
 bool StreamServer::ended() const {
   return std::all_of(parts_->cameras->begin(), parts_->cameras->end(),
-                     [](const std::shared_ptr<ServedCamera>& camera) { return camera->ended(); });
+                     [](const std::shared_ptr<StreamedCamera>& camera) { return camera->ended(); });
 }
 
 }  // namespace airclay

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The cameras of this machine for another one: each is an RTSP stream of H.264 images.
+// Streams this machine's cameras to other machines: one RTSP stream of H.264 images per camera.
 #pragma once
 
 #include <cstdint>
@@ -12,40 +12,38 @@
 namespace airclay {
 
 struct StreamServerOptions {
-  std::string address = "127.0.0.1";  ///< one of this machine's, in numbers; 0.0.0.0 or ::, all of them
-  int port = 8554;                    ///< 0: any that is free
+  std::string address = "127.0.0.1";  ///< a numeric address of this machine; 0.0.0.0 or ::: all of them
+  int port = 8554;                    ///< 0: any free port
   SourceOptions sources;
 };
 
-/// How a camera is streamed.
+/// The state of one stream.
 struct StreamStatus {
   CameraStatus camera;
   std::string address;         ///< rtsp://ADDRESS:PORT/NAME
-  bool watched = false;        ///< somebody watches; only then its images are coded
-  std::uint64_t streamed = 0;  ///< images that were coded for those who watched
+  bool watched = false;        ///< there are clients; images are encoded only then
+  std::uint64_t streamed = 0;  ///< encoded images
 };
 
-/// Streams cameras until it ends. An image is coded once for all who watch, without B frames, and a whole
-/// one twice a second, so that who comes later sees it soon. RTP times are capture times. The streams go over
-/// TCP alone (interleaved in RTSP): an image is whole or missing, not smeared. Who reads too slowly loses
-/// images; no queue grows without bound. A camera that is lost is opened again
-/// once a second; till then whoever asks for it is told that the service is unavailable, and the others go
-/// on.
+/// Streams cameras until destruction. Each image is encoded once for all clients, without B frames, and with
+/// two key frames per second, so that new clients start soon. RTP times are capture times. Streams use only
+/// TCP (interleaved in RTSP), so images are complete or missing. Slow clients lose images; no queue grows
+/// without bound. A lost camera is reopened once per second; until then, requests for it get "service
+/// unavailable", and the other streams continue.
 class StreamServer {
  public:
-  /// Takes the port, opens all cameras and begins. \throw Error (Fault::kUsage) for an address or port that
-  /// cannot be had; Error naming the first camera that cannot be opened, or a plugin of GStreamer that is
-  /// missing.
+  /// Binds the port, opens all cameras and starts streaming. \throw Error (Fault::kUsage) if the address or
+  /// port is unavailable; Error naming the first camera that cannot be opened, or a missing GStreamer plugin.
   StreamServer(const std::vector<NamedSource>& cameras, const StreamServerOptions& options);
-  /// Ends all connections, within a second or so.
+  /// Closes all connections, within about a second.
   ~StreamServer();
   StreamServer(const StreamServer&) = delete;
   StreamServer& operator=(const StreamServer&) = delete;
 
   int port() const;
-  /// One a camera, in the order they were given in. From any thread.
+  /// One per camera, in constructor order. Callable from any thread.
   std::vector<StreamStatus> status() const;
-  /// All were files, and all are over.
+  /// Whether all sources are files that have ended.
   bool ended() const;
 
  private:

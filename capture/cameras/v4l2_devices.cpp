@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The enumeration ioctls of Linux's media documentation, "Video for Linux API", thinly: VIDIOC_QUERYCAP,
+// Uses the enumeration ioctls of the Linux media documentation, "Video for Linux API": VIDIOC_QUERYCAP,
 // ENUM_FMT, ENUM_FRAMESIZES, ENUM_FRAMEINTERVALS.
 #include "capture/cameras/v4l2_devices.h"
 
@@ -15,8 +15,8 @@
 namespace airclay {
 namespace {
 
-// A driver that never ends its lists is broken.
-constexpr unsigned kMostEntries = 256;
+// A limit for broken drivers that never end their lists.
+constexpr unsigned kMaxEntries = 256;
 
 struct Node {
   explicit Node(const std::string& path) : file(open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC)) {}
@@ -43,11 +43,11 @@ std::vector<double> ratesOf(const Node& node, unsigned format, ImageSize size) {
   interval.pixel_format = format;
   interval.width = static_cast<unsigned>(size.width);
   interval.height = static_cast<unsigned>(size.height);
-  for (; interval.index < kMostEntries && node.ask(VIDIOC_ENUM_FRAMEINTERVALS, interval); ++interval.index) {
+  for (; interval.index < kMaxEntries && node.ask(VIDIOC_ENUM_FRAMEINTERVALS, interval); ++interval.index) {
     const bool discrete = interval.type == V4L2_FRMIVAL_TYPE_DISCRETE;
     const v4l2_fract& period = discrete ? interval.discrete : interval.stepwise.min;
     if (period.numerator > 0) rates_hz.push_back(double(period.denominator) / period.numerator);
-    if (!discrete) break;  // a range: its fastest is said
+    if (!discrete) break;  // a range: list its fastest rate
   }
   std::sort(rates_hz.rbegin(), rates_hz.rend());
   return rates_hz;
@@ -58,13 +58,13 @@ void addModes(const Node& node, unsigned format, std::vector<V4l2Mode>& modes) {
   for (int shift = 0; shift < 32; shift += 8) letters += static_cast<char>(format >> shift & 0x7f);
   v4l2_frmsizeenum entry{};
   entry.pixel_format = format;
-  for (; entry.index < kMostEntries && node.ask(VIDIOC_ENUM_FRAMESIZES, entry); ++entry.index) {
+  for (; entry.index < kMaxEntries && node.ask(VIDIOC_ENUM_FRAMESIZES, entry); ++entry.index) {
     const bool discrete = entry.type == V4L2_FRMSIZE_TYPE_DISCRETE;
     const ImageSize size = discrete
                                ? ImageSize{int(entry.discrete.width), int(entry.discrete.height)}
                                : ImageSize{int(entry.stepwise.max_width), int(entry.stepwise.max_height)};
     modes.push_back({letters, size, ratesOf(node, format, size)});
-    if (!discrete) break;  // a range: its largest is said
+    if (!discrete) break;  // a range: list its largest size
   }
 }
 
@@ -90,7 +90,7 @@ std::vector<V4l2Device> listV4l2Devices() {
         path, textOf(capability.card), textOf(capability.driver), textOf(capability.bus_info), {}};
     v4l2_fmtdesc format{};
     format.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-    for (; format.index < kMostEntries && node.ask(VIDIOC_ENUM_FMT, format); ++format.index)
+    for (; format.index < kMaxEntries && node.ask(VIDIOC_ENUM_FMT, format); ++format.index)
       addModes(node, format.pixelformat, device.modes);
     if (!device.modes.empty()) devices.push_back(device);
   }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The machine's Video4Linux cameras and what each offers. Untested on hardware: where this was written there
-// was none.
+// The machine's Video4Linux cameras and their modes. Not yet tested on hardware.
 #pragma once
 
 #include <string>
@@ -19,14 +18,14 @@ struct V4l2Mode {
 
 struct V4l2Device {
   std::string path;    ///< /dev/video0
-  std::string name;    ///< the camera's own
+  std::string name;    ///< reported by the camera
   std::string driver;  ///< uvcvideo
-  std::string bus;     ///< where it is plugged in: two on one USB hub share its bandwidth
+  std::string bus;     ///< where it is connected; cameras on one USB hub share its bandwidth
   std::vector<V4l2Mode> modes;
 };
 
-/// The devices that deliver images, by number. Those that cannot be opened or deliver none (a camera's
-/// second node holds metadata alone) are left out.
+/// The devices that deliver images, by number. Omits devices that cannot be opened or deliver none (a
+/// camera's second node has only metadata).
 std::vector<V4l2Device> listV4l2Devices();
 
 }  // namespace airclay

@@ -359,7 +359,7 @@ TEST(Pipeline, ReportsImagesAndErrors) {
   refused("gst: videotestsrc ! nothing", "cannot be run");
   refused("gst: videotestsrc ! fakesink name=appsink", "has no appsink");
   refused("gst: videotestsrc ! appsink", "not BGR");
-  refused("gst: appsrc", "gives no image");  // OpenCV would wait forever
+  refused("gst: appsrc", "delivers no image");  // OpenCV would wait forever
 }
 
 }  // namespace
