@@ -74,7 +74,7 @@ std::string names(const Recalibration& found, bool moved) {
 /// Describes which cameras moved and where the world is.
 std::string describeWorld(const RecalibrateOptions& options, const Recalibration& found) {
   const std::string moved = names(found, true), still = names(found, false);
-  const std::string what = !found.world_kept ? "no two cameras stand to each other as before"
+  const std::string what = !found.world_kept ? "no two cameras have the same relative pose as before"
                            : moved.empty()   ? "no camera was moved"
                                              : "moved: " + moved;
   if (options.recalibration.world_frame)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The steps of a calibration.
+// The sequence of steps of a calibration.
 #include "capture/calibration/calibration.h"
 
 #include "capture/calibration/calibration_parts.h"
@@ -34,8 +34,8 @@ Calibration calibrate(const Board& board, const std::vector<CameraViews>& camera
                       const CalibrationOptions& options) {
   if (cameras.size() < 2 || cameras.size() > kMaxCameras)
     throw Error("a rig of " + std::to_string(cameras.size()) +
-                (cameras.size() == 1 ? " camera" : " cameras") + " cannot be calibrated; 2 to " +
-                std::to_string(kMaxCameras) + " would be right");
+                (cameras.size() == 1 ? " camera" : " cameras") + " cannot be calibrated; expected 2 to " +
+                std::to_string(kMaxCameras));
   Bundle bundle = gatherViews(board, cameras, {kFewestViews, 30});
   Calibration calibration;
   for (std::size_t c = 0; c < cameras.size(); ++c) {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// From views of a waved board to a calibrated rig: each camera's lens, then where the cameras stand, then all
-// of it at once.
+// Calibrates a rig from views of a waved board: each camera's lens, then the cameras' poses, then a joint
+// adjustment.
 //
-// calibration_lens finds a camera's lens, calibration_chain the cameras' places through the boards that two
-// of them saw at once, calibration_bundle adjusts everything together, calibration_report says how good it
-// is. recalibration.h uses them where the lenses are known.
+// calibration_lens estimates a camera's lens, calibration_chain the cameras' poses from boards that two of
+// them see at the same time, calibration_bundle adjusts everything jointly, and calibration_report assesses
+// the result. recalibration.h uses these for rigs with known lenses.
 #pragma once
 
 #include <map>
@@ -15,87 +15,86 @@
 
 namespace airclay {
 
-/// What one camera saw of the board, by the number of the frame: one number, one instant in all cameras.
+/// One camera's views of the board by frame number; a number denotes the same instant in all cameras.
 struct CameraViews {
   std::string name;
   int width = 0, height = 0;  ///< pixels
   std::map<int, BoardView> views;
 };
 
-/// kAuto: as few of the perspective model's coefficients as explain the views; fisheye where that model alone
-/// can. The others: so many coefficients.
+/// kAuto: the fewest coefficients of the perspective model that fit the views; fisheye if only that model
+/// fits. The others: a fixed number of coefficients.
 enum class LensChoice { kAuto, kFive, kEight, kFisheye };
 
 struct CalibrationOptions {
   LensChoice lens = LensChoice::kAuto;
-  /// The frame in which the board lies where the world shall be: origin in its middle, x along its rows, z up
-  /// out of its face. Without: the first of the frames that most cameras see best.
+  /// The frame whose board defines the world: origin at its centre, x along its rows, z up from its face.
+  /// Default: the first of the frames that most cameras see best.
   std::optional<int> world_frame;
-  /// The cube's middle, metres, world. Without: half an edge above the board of `world_frame`, so that the
-  /// cube stands on the table; or the origin, where no frame is named.
+  /// The cube's centre, metres, world. Default: half an edge above the board of `world_frame`, so that the
+  /// cube is on the table; the origin if there is no `world_frame`.
   std::optional<Vec3> center;
   double edge_m = 0.6;
-  int max_lens_views = 50;  ///< of a camera, from which its lens is first found; all are used in the end
+  int max_lens_views = 50;  ///< views per camera for the first estimate of its lens; the final fit uses all
 };
 
-/// A camera needs so many views.
+/// The minimum number of views per camera.
 inline constexpr int kFewestViews = 8;
 
-/// Of fewer views, of a lesser share of the image, or of fewer views that another camera shares, it is
-/// warned: fewer views leave a lens to chance; a cube that fills the middle of the image needs no more than
-/// half of it.
+/// Below these numbers of views, image coverage and shared views, there is a warning. Fewer views make the
+/// lens unreliable; a cube in the middle of the image needs at most half of the image.
 inline constexpr int kFewViews = 20;
 inline constexpr double kPoorCoverage = 0.3;
 inline constexpr int kFewShared = 10;
 
-/// How well one camera is known.
+/// The quality of one camera's calibration.
 struct CameraQuality {
-  int views = 0;         ///< used
-  int shared_views = 0;  ///< of them, those of boards that another camera saw at the same time
-  int corners = 0;       ///< used
-  int dropped = 0;       ///< corners that no pose of the board explains, of these views and of others
-  double rms_px = 0;     ///< of the used corners' distances from where the rig projects them
-  double coverage = 0;   ///< share of the image, in cells of an eighth of its width, where a corner was seen
-  std::string bare_sides;  ///< of the image, where hardly any was: "left, top"
+  int views = 0;           ///< used views
+  int shared_views = 0;    ///< used views whose board another camera sees at the same time
+  int corners = 0;         ///< used corners
+  int dropped = 0;         ///< corners that fit no pose of the board, in used and unused views
+  double rms_px = 0;       ///< reprojection error of the used corners
+  double coverage = 0;     ///< fraction of the image with corners, in cells of an eighth of its width
+  std::string bare_sides;  ///< sides of the image with few corners: "left, top"
   double focal_sigma = 0;  ///< standard deviation of the focal length, relative to it
 };
 
-/// Two cameras and how far they stand apart.
+/// The distance between two cameras.
 struct Baseline {
   int a = 0, b = 0;
   double metres = 0;
 };
 
-/// A used corner: where it was seen, and how far from where the rig projects it.
+/// A used corner and its reprojection error.
 struct CornerResidual {
   int camera = 0, frame = 0;
   Vec2 pixel = Vec2::Zero();
-  Vec2 error_px = Vec2::Zero();  ///< seen - projected
+  Vec2 error_px = Vec2::Zero();  ///< observed - projected
 };
 
 struct Calibration {
   Rig rig;
   std::vector<CameraQuality> cameras;
   double rms_px = 0;  ///< over all cameras' corners
-  /// RMS error of the distances between a board's corners that two cameras or more triangulate, in mm; none
-  /// when no two cameras saw one corner.
+  /// RMS error of the distances between a board's corners triangulated by at least two cameras, mm; empty if
+  /// no two cameras see the same corner.
   std::optional<double> scale_error_mm;
   std::vector<Baseline> baselines;
   int world_frame = 0;
-  std::vector<Pose> world_from_boards;  ///< where the board was, one a frame that several cameras agree on
+  std::vector<Pose> world_from_boards;  ///< one board pose per frame on which several cameras agree
   std::vector<CornerResidual> residuals;
-  std::vector<std::string> warnings;  ///< a line each: what is poor, at which camera, and what to do
+  std::vector<std::string> warnings;  ///< one line each: camera, problem, and remedy
 };
 
-/// Tells reportProgress() how far it is. \pre the views' ids are the board's.
-/// \throw Error naming the camera and what to do: fewer than two cameras; a camera with too few views, or
-/// whose views no lens explains; cameras that no chain of shared views connects; a world frame without a
+/// Calibrates a rig; calls reportProgress(). \pre the views' ids are those of the board
+/// \throw Error naming the camera and the remedy if there are fewer than two cameras, a camera has too few
+/// views or no lens fits them, no chain of shared views connects all cameras, or the world frame shows no
 /// board.
 Calibration calibrate(const Board& board, const std::vector<CameraViews>& cameras,
                       const CalibrationOptions& options = {});
 
-/// Draws the rig from above and from the side, with the boards, and each camera's residuals, a hundred times
-/// as long. \throw Error when the file cannot be written.
+/// Draws the rig from above and from the side with the boards, and each camera's residuals, magnified 100
+/// times. \throw Error if the file cannot be written.
 void drawCalibration(const std::filesystem::path& png, const Board& board, const Calibration& calibration);
 
 }  // namespace airclay

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Bundle adjustment (Triggs et al. 2000, "Bundle Adjustment - A Modern Synthesis"): lenses, cameras and
-// boards at once, by Ceres.
+// Bundle adjustment (Triggs et al. 2000, "Bundle Adjustment - A Modern Synthesis") of lenses, cameras and
+// boards, with Ceres.
 #include <ceres/ceres.h>
 #include <ceres/rotation.h>
 #include <glog/logging.h>
@@ -17,11 +17,11 @@
 namespace airclay {
 namespace {
 
-constexpr double kNowhere_px = 1e6;
-// Nearer than this before a camera no board is seen.
-constexpr double kNearest_m = 1e-3;
-// Better than a hundredth of a pixel no corner is found: weights stay finite on views without noise.
-constexpr double kLeastNoise_px = 0.01;
+constexpr double kNotProjected_px = 1e6;
+// The smallest plausible depth of a board's corner.
+constexpr double kMinDepth_m = 1e-3;
+// No corner is more accurate than this; keeps weights finite for views without noise.
+constexpr double kMinNoise_px = 0.01;
 
 constexpr int kLensSize = 12;  // fx fy cx cy, then Lens::distortion
 constexpr int kPoseSize = 6;   // the rotation's vector, the translation
@@ -55,20 +55,20 @@ Pose poseOf(const PoseBlock& block) {
   return pose;
 }
 
-/// The two lens models of engine/camera/lens.cpp (OpenCV's manual, calib3d), for numbers that carry
-/// derivatives.
+/// The two lens models of engine/camera/lens.cpp (OpenCV's manual, calib3d), for Ceres' automatic
+/// differentiation.
 template <class T>
-void bendPerspective(const T* k, T& x, T& y) {
+void distortPerspective(const T* k, T& x, T& y) {
   const T r2 = x * x + y * y;
   const T scale =
       (1.0 + r2 * (k[0] + r2 * (k[1] + r2 * k[4]))) / (1.0 + r2 * (k[5] + r2 * (k[6] + r2 * k[7])));
-  const T bent_x = x * scale + 2.0 * k[2] * x * y + k[3] * (r2 + 2.0 * x * x);
+  const T distorted_x = x * scale + 2.0 * k[2] * x * y + k[3] * (r2 + 2.0 * x * x);
   y = y * scale + k[2] * (r2 + 2.0 * y * y) + 2.0 * k[3] * x * y;
-  x = bent_x;
+  x = distorted_x;
 }
 
 template <class T>
-void bendFisheye(const T* k, T& x, T& y) {
+void distortFisheye(const T* k, T& x, T& y) {
   const T r2 = x * x + y * y;
   if (r2 < 1e-16) return;
   const T r = sqrt(r2), angle = atan(r), s = angle * angle;
@@ -91,28 +91,28 @@ struct Reprojection {
     for (int i = 0; i < 3; ++i) in_world[i] += stand[3 + i];
     ceres::AngleAxisRotatePoint(camera, in_world, in_camera);
     for (int i = 0; i < 3; ++i) in_camera[i] += camera[3 + i];
-    if (in_camera[2] < kNearest_m) return false;
+    if (in_camera[2] < kMinDepth_m) return false;
     T x = in_camera[0] / in_camera[2], y = in_camera[1] / in_camera[2];
     if (model == LensModel::kFisheye)
-      bendFisheye(lens + 4, x, y);
+      distortFisheye(lens + 4, x, y);
     else
-      bendPerspective(lens + 4, x, y);
+      distortPerspective(lens + 4, x, y);
     residual[0] = (pixel.x() - lens[2] - lens[0] * x) / noise_px;
     residual[1] = (pixel.y() - lens[3] - lens[1] * y) / noise_px;
     return true;
   }
 };
 
-// A term of the distortion moves the image's corner by no more than some half of its radius; a tangential
-// one by some twentieth. Far weaker than what views say of a coefficient, it holds those of which they say
-// nothing: such run to hundreds otherwise, one against the other.
+// A radial term moves the image's corner by at most about half of its radius, a tangential one by a
+// twentieth. This prior is much weaker than the evidence of the views, but limits coefficients that the views
+// do not determine, which would otherwise grow to hundreds with opposite signs.
 constexpr double kUsualRadial = 0.5, kUsualTangential = 0.05;
 
-/// What is known of a lens without any view: its coefficients over their usual size.
-struct UsualLens {
+/// The prior of a lens: its coefficients relative to their usual size.
+struct LensPrior {
   std::array<double, 8> per_usual{};
 
-  explicit UsualLens(const BundleCamera& camera) {
+  explicit LensPrior(const BundleCamera& camera) {
     const double corner = camera.half_diagonal_px / camera.lens.fx, s = corner * corner;
     const bool is_fisheye = camera.lens.model == LensModel::kFisheye;
     const std::array<double, 8> terms =
@@ -129,7 +129,7 @@ struct UsualLens {
   }
 };
 
-/// Ceres would write of a step that it takes back on standard error; what it comes to is in its summary.
+/// Silences Ceres' messages about rejected steps on standard error; the summary has the result.
 void quietCeres() {
   FLAGS_minloglevel = google::GLOG_FATAL;
 }
@@ -150,7 +150,7 @@ struct Blocks {
     for (const BundleView& view : bundle.views) addView(bundle, view, options);
     for (std::size_t i = 0; i < bundle.cameras.size(); ++i)
       problem.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<UsualLens, 8, kLensSize>(new UsualLens(bundle.cameras[i])), nullptr,
+          new ceres::AutoDiffCostFunction<LensPrior, 8, kLensSize>(new LensPrior(bundle.cameras[i])), nullptr,
           lenses[i].data());
     for (std::size_t i = 0; i < bundle.cameras.size(); ++i) holdParts(bundle.cameras[i], i, options);
     const std::size_t held = options.fix_cameras ? cameras.size() : options.fix_stands ? 0 : 1;
@@ -200,7 +200,7 @@ ceres::Solver::Options solverOptions(Blocks& blocks, const AdjustOptions& option
   solver.max_num_iterations = options.max_iterations;
   solver.function_tolerance = 1e-9;
   solver.logging_type = ceres::SILENT;
-  // Boards don't see each other: they are eliminated first, and cameras remain.
+  // Boards are independent of each other, so they are eliminated first (Schur complement).
   auto* order = new ceres::ParameterBlockOrdering;
   for (PoseBlock& stand : blocks.stands)
     if (blocks.problem.HasParameterBlock(stand.data())) order->AddElementToGroup(stand.data(), 0);
@@ -211,10 +211,10 @@ ceres::Solver::Options solverOptions(Blocks& blocks, const AdjustOptions& option
   return solver;
 }
 
-/// Ceres asks between its steps whether to go on; a cancelled calibration unwinds from there.
-class StillWanted : public ceres::IterationCallback {
+/// Reports progress between Ceres' iterations and aborts the solver if the task was cancelled.
+class CancellationCheck : public ceres::IterationCallback {
  public:
-  explicit StillWanted(double done) : done_(done) {}
+  explicit CancellationCheck(double done) : done_(done) {}
 
   ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
     try {
@@ -241,13 +241,13 @@ int BundleView::trustedCount() const {
 void adjust(Bundle& bundle, const AdjustOptions& options) {
   Blocks blocks(bundle, options);
   ceres::Solver::Options solver = solverOptions(blocks, options);
-  StillWanted still_wanted(options.done);
-  solver.callbacks = {&still_wanted};
+  CancellationCheck cancellation(options.done);
+  solver.callbacks = {&cancellation};
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &blocks.problem, &summary);
-  if (still_wanted.cancelled) std::rethrow_exception(still_wanted.cancelled);
+  if (cancellation.cancelled) std::rethrow_exception(cancellation.cancelled);
   if (!summary.IsSolutionUsable())
-    throw Error("the bundle adjustment diverges; views of a flat board, tilted to all sides, would be right");
+    throw Error("the bundle adjustment diverges; expected views of a flat board, tilted to all sides");
 
   for (std::size_t i = 0; i < bundle.cameras.size(); ++i) {
     BundleCamera& camera = bundle.cameras[i];
@@ -263,7 +263,7 @@ Vec2 residualOf(const Bundle& bundle, const BundleView& view, std::size_t corner
   const Pose& world_from_board = bundle.world_from_board[static_cast<std::size_t>(view.stand)];
   const std::optional<Vec2> projected =
       projectThroughLens(camera.lens, camera.camera_from_world * (world_from_board * view.corners[corner]));
-  return projected ? Vec2(view.pixels[corner] - *projected) : Vec2(kNowhere_px, kNowhere_px);
+  return projected ? Vec2(view.pixels[corner] - *projected) : Vec2(kNotProjected_px, kNotProjected_px);
 }
 
 std::vector<double> residualLengths(const Bundle& bundle, const BundleView& view) {
@@ -279,8 +279,9 @@ double robustNoise(const Bundle& bundle, int camera) {
       for (std::size_t i = 0; i < view.corners.size(); ++i)
         if (view.trusted[i]) lengths.push_back(residualOf(bundle, view, i).norm());
   if (lengths.empty()) return 1;
-  // The length of two coordinates of deviation 1 has the median sqrt(2 ln 2) (Rayleigh's distribution).
-  return std::max(median(std::move(lengths)) / std::sqrt(2 * std::log(2.0)), kLeastNoise_px);
+  // The length of a vector with two coordinates of deviation 1 has the median sqrt(2 ln 2) (Rayleigh
+  // distribution).
+  return std::max(median(std::move(lengths)) / std::sqrt(2 * std::log(2.0)), kMinNoise_px);
 }
 
 double robustCost(const Bundle& bundle, double noise_px) {
@@ -303,8 +304,7 @@ std::vector<double> focalSigmas(const Bundle& bundle) {
   ceres::Covariance covariance(options);
   std::vector<std::pair<const double*, const double*>> blocks_to_compute;
   for (const LensBlock& lens : blocks.lenses) blocks_to_compute.emplace_back(lens.data(), lens.data());
-  if (!covariance.Compute(blocks_to_compute, &blocks.problem))
-    return sigmas;  // rank deficient: nothing is known
+  if (!covariance.Compute(blocks_to_compute, &blocks.problem)) return sigmas;  // rank-deficient
   for (std::size_t i = 0; i < sigmas.size(); ++i) {
     const double* lens = blocks.lenses[i].data();
     double values[kLensSize * kLensSize];
@@ -335,8 +335,8 @@ std::vector<PoseSigma> poseSigmas(const Bundle& bundle) {
 }
 
 double trustedRadius(double noise_px) {
-  // Of a thousand good corners three lie farther than 3.4 deviations (Rayleigh); a third of a pixel is no
-  // outlier whatever the others do.
+  // Three of a thousand good corners are beyond 3.4 deviations (Rayleigh); a third of a pixel is never an
+  // outlier.
   return std::max(4 * noise_px, 0.35);
 }
 
@@ -345,7 +345,7 @@ void trustNearCorners(Bundle& bundle) {
     const double radius = trustedRadius(bundle.cameras[static_cast<std::size_t>(view.camera)].noise_px);
     const std::vector<double> lengths = residualLengths(bundle, view);
     for (std::size_t i = 0; i < lengths.size(); ++i) view.trusted[i] = lengths[i] <= radius;
-    // A view of which less than half can be explained is a mistaken one.
+    // A view with fewer than half of its corners trusted is rejected.
     if (2 * view.trustedCount() < static_cast<int>(lengths.size()) || view.trustedCount() < 4)
       std::fill(view.trusted.begin(), view.trusted.end(), char{0});
   }

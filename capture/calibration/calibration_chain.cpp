@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Where the cameras stand: for two of them from the boards that both saw at once, then along the strongest
-// chain of such pairs.
+// Estimates the cameras' poses: for pairs from the boards that both see at the same time, then along the
+// strongest chain of pairs.
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -12,13 +12,13 @@
 namespace airclay {
 namespace {
 
-// Two pair poses are the same one as long as they move a board's corner by less than this in the image: a
-// flat board's pose is good to a few pixels, its mirrored twin is off by tens.
+// Two pair poses count as equal if a board's corners differ by less than this in the image: a flat board's
+// pose is accurate to a few pixels; its mirrored solution is off by tens.
 constexpr double kSamePose_px = 15;
-// Of a pair's shared boards so many are proposed as its pose; all of them vote.
-constexpr std::size_t kMostProposals = 60;
+// The number of a pair's shared boards that propose a pose; all of them vote.
+constexpr std::size_t kMaxProposals = 60;
 
-/// A board that both cameras of a pair saw: the two poses that each allows.
+/// A board that both cameras of a pair see, with the two poses that each view allows.
 struct SharedBoard {
   std::vector<Pose> a_from_board, b_from_board;
   std::array<Vec3, 4> outline;  // board
@@ -26,7 +26,7 @@ struct SharedBoard {
 
 struct PairPose {
   Pose b_from_a = Pose::Identity();
-  int agreeing = 0;  // shared boards that say the same
+  int agreeing = 0;  // shared boards that agree
 };
 
 std::array<Vec3, 4> outlineOf(const BundleView& view) {
@@ -35,7 +35,7 @@ std::array<Vec3, 4> outlineOf(const BundleView& view) {
   return {low, {high.x(), low.y(), 0}, high, {low.x(), high.y(), 0}};
 }
 
-/// The boards that cameras a and b saw at once.
+/// The boards that cameras a and b see at the same time.
 std::vector<SharedBoard> sharedBoards(const Bundle& bundle, const ViewPoses& poses, int a, int b) {
   std::map<int, std::size_t> seen_by_a;
   for (std::size_t i = 0; i < bundle.views.size(); ++i)
@@ -50,8 +50,8 @@ std::vector<SharedBoard> sharedBoards(const Bundle& bundle, const ViewPoses& pos
   return shared;
 }
 
-/// The pair pose by one board that is nearest to `b_from_a`, and how far it moves the board's outline in b's
-/// image, by the root of the mean square.
+/// The pair pose from one board that is closest to `b_from_a`, and the RMS difference of the board's outline
+/// in b's image.
 struct Nearest {
   Pose b_from_a = Pose::Identity();
   double apart_px = std::numeric_limits<double>::infinity();
@@ -63,8 +63,8 @@ Nearest nearestTo(const Pose& b_from_a, const SharedBoard& board, double focal_p
     for (const Pose& b_from_board : board.b_from_board) {
       double sum = 0;
       for (const Vec3& corner : board.outline) {
-        const Vec3 seen = b_from_board * corner, foretold = b_from_a * (a_from_board * corner);
-        const Vec2 apart = seen.head<2>() / seen.z() - foretold.head<2>() / std::max(foretold.z(), 1e-3);
+        const Vec3 seen = b_from_board * corner, predicted = b_from_a * (a_from_board * corner);
+        const Vec2 apart = seen.head<2>() / seen.z() - predicted.head<2>() / std::max(predicted.z(), 1e-3);
         sum += std::min(apart.squaredNorm(), 1.0) / 4;
       }
       const double apart_px = focal_px * std::sqrt(sum);
@@ -73,8 +73,8 @@ Nearest nearestTo(const Pose& b_from_a, const SharedBoard& board, double focal_p
   return nearest;
 }
 
-/// The mean of poses: of rotations as of quaternions (Markley et al. 2007, "Averaging Quaternions"), of
-/// translations coordinate by coordinate the median.
+/// The mean of poses: the average quaternion (Markley et al. 2007, "Averaging Quaternions") and the median of
+/// each translation coordinate.
 Pose meanOf(const std::vector<Pose>& poses) {
   Eigen::Matrix4d sum = Eigen::Matrix4d::Zero();
   std::array<std::vector<double>, 3> translations;
@@ -94,11 +94,11 @@ Pose meanOf(const std::vector<Pose>& poses) {
   return mean;
 }
 
-/// The pose that most boards agree on, and their mean: a board's mirrored twin poses agree with nothing.
+/// The mean of the poses on which most boards agree; mirrored solutions agree with none.
 PairPose pairPose(const std::vector<SharedBoard>& boards, double focal_px) {
   Pose best = Pose::Identity();
   double least = std::numeric_limits<double>::infinity();
-  const std::size_t step = (boards.size() + kMostProposals - 1) / kMostProposals;
+  const std::size_t step = (boards.size() + kMaxProposals - 1) / kMaxProposals;
   for (std::size_t i = 0; i < boards.size(); i += step)
     for (const Pose& a_from_board : boards[i].a_from_board)
       for (const Pose& b_from_board : boards[i].b_from_board) {
@@ -125,9 +125,8 @@ PairPose pairPose(const std::vector<SharedBoard>& boards, double focal_px) {
   for (std::size_t i = 0; i < cameras.size(); ++i)
     (placed[i] ? here : there) +=
         ((placed[i] ? here : there).empty() ? "\"" : ", \"") + cameras[i].name + "\"";
-  throw Error("no frame shows the board both to one of the cameras " + here + " and to one of " + there +
-              "; a recording that waves it where two of them see it at once, for 20 frames or more, would be "
-              "right");
+  throw Error("in no frame is the board visible to one of the cameras " + here + " and one of " + there +
+              "; wave it where two of them see it at the same time, for at least 20 frames");
 }
 
 }  // namespace
@@ -142,7 +141,7 @@ void chainCameras(Bundle& bundle, const ViewPoses& poses, const std::vector<Came
       pairs[a][b] = pair;
       pairs[b][a] = {pair.b_from_a.inverse(), pair.agreeing};
     }
-  // The maximum spanning tree (Prim 1957) of the pairs by how many boards agree.
+  // The maximum spanning tree (Prim 1957) of the pairs, weighted by the number of boards that agree.
   std::vector<char> placed(count, 0);
   placed[0] = 1;
   for (std::size_t done = 1; done < count; ++done) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A calibration at a glance: the rig from above and from the side, and what is left over in each camera.
+// Draws a calibration: the rig from above and from the side, and each camera's residuals.
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
@@ -12,10 +12,10 @@ namespace {
 
 constexpr int kPanel_px = 480, kMargin_px = 16, kTitle_px = 28;
 // A residual of a tenth of a pixel is drawn ten pixels long.
-constexpr double kResidualsLonger = 100;
+constexpr double kResidualScale = 100;
 
 const cv::Scalar kPaper(250, 250, 250, 255), kInk(40, 40, 40, 255), kFrame(190, 190, 190, 255),
-    kBoard(200, 170, 120, 255), kCube(60, 140, 60, 255), kLens(40, 40, 200, 255), kLeftOver(200, 60, 30, 255);
+    kBoard(200, 170, 120, 255), kCube(60, 140, 60, 255), kLens(40, 40, 200, 255), kResidual(200, 60, 30, 255);
 
 constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
 constexpr double kFontScale = 0.5;
@@ -34,7 +34,7 @@ void writeInside(cv::Mat& image, const std::string& text, cv::Point place) {
   write(image, text, place);
 }
 
-/// Draws what lies in the world's plane of two of its axes.
+/// Draws a projection onto two of the world's axes.
 class PlanView {
  public:
   PlanView(cv::Mat image, int right, int up, const Calibration& calibration)
@@ -86,7 +86,7 @@ class PlanView {
     }
     loop(points, kCube, 2);
   }
-  /// The eye, and the pyramid of what it sees 15 cm before it.
+  /// The camera's position and its view frustum, 15 cm long.
   void drawCamera(const Camera& camera) {
     const Pose world_from_camera = camera.camera_from_world.inverse();
     std::vector<Vec3> rim;
@@ -113,9 +113,9 @@ void drawResiduals(cv::Mat panel, const Calibration& calibration, int index) {
   const cv::Rect inside(0, kTitle_px, cvRound(scale * camera.width), cvRound(scale * camera.height));
   for (const CornerResidual& corner : calibration.residuals) {
     if (corner.camera != index) continue;
-    const Vec2 from = scale * corner.pixel, to = from + scale * kResidualsLonger * corner.error_px;
+    const Vec2 from = scale * corner.pixel, to = from + scale * kResidualScale * corner.error_px;
     const auto place = [](const Vec2& p) { return cv::Point(cvRound(p.x()), kTitle_px + cvRound(p.y())); };
-    cv::line(panel, place(from), place(to), kLeftOver, 1, cv::LINE_AA);
+    cv::line(panel, place(from), place(to), kResidual, 1, cv::LINE_AA);
     cv::circle(panel, place(from), 1, kInk, cv::FILLED, cv::LINE_AA);
   }
   cv::rectangle(panel, inside, kFrame, 1);

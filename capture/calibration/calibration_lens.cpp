@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// One camera's lens from its own views: a focal length by search, then coefficient after coefficient, as many
-// as the views support.
+// Estimates one camera's lens from its own views: the focal length by search, then as many distortion
+// coefficients as the views support.
 #include <algorithm>
 #include <cmath>
 #include <opencv2/calib3d.hpp>
@@ -12,14 +12,14 @@
 namespace airclay {
 namespace {
 
-// A flat board's pose needs 4 corners; 6 leave something to check it by.
+// A flat board's pose needs 4 corners; 6 leave redundancy to check it.
 constexpr int kFewestCorners = 6;
-// What a view off by this adds to a score is all that a wrong view may add.
+// Limits the influence of a wrong view on a score.
 constexpr double kWorst_px = 20;
-// Beyond 75° from the axis the pinhole that poses are first found by stretches a pixel sevenfold.
-const double kWidestSlope = std::tan(75 * M_PI / 180);
+// Beyond 75° from the axis, the pinhole model of the initial poses stretches pixels sevenfold.
+const double kMaxSlope = std::tan(75 * M_PI / 180);
 
-/// A lens model on the ladder from few coefficients to many.
+/// A lens model in the sequence from few coefficients to many.
 struct Rung {
   LensModel model;
   FreeCoefficients free;
@@ -27,7 +27,8 @@ struct Rung {
 };
 
 constexpr LensModel kPlain = LensModel::kPerspective, kFish = LensModel::kFisheye;
-// Radial before tangential before the third radial one: each is a tenth of the one before on common lenses.
+// Two radial, then the tangential, then the third radial coefficient: each has about a tenth of the previous
+// one's effect in common lenses.
 const std::vector<Rung> kPlainRungs = {{kPlain, {1}, 1},
                                        {kPlain, {1, 1}, 2},
                                        {kPlain, {1, 1, 1, 1}, 4},
@@ -53,7 +54,7 @@ double rmsOfView(const Lens& lens, const BundleView& view, const Pose& camera_fr
   return std::sqrt(sum / static_cast<double>(view.corners.size()));
 }
 
-/// How badly flat boards explain the views through this lens: the mean of their RMS errors, in pixels.
+/// The mean RMS error, pixels, of flat boards fitted to the views through this lens.
 double misfit(const Lens& lens, const std::vector<BundleView>& views) {
   double sum = 0;
   for (const BundleView& view : views) {
@@ -63,16 +64,16 @@ double misfit(const Lens& lens, const std::vector<BundleView>& views) {
   return sum / static_cast<double>(views.size());
 }
 
-/// The focal length, without any distortion yet, that explains the views best: a search over all that lenses
-/// have, which no outlier and no odd set of views leads astray.
+/// The focal length, without distortion, that best fits the views: an exhaustive search over the range of
+/// real lenses, which is robust against outliers and unusual views.
 Lens searchFocal(LensModel model, const LensTask& task) {
   constexpr double kStep = 1.12;
   const double widest = model == kFish ? 0.15 : 0.3, longest = model == kFish ? 1.5 : 6;
   Lens best;
   double best_misfit = std::numeric_limits<double>::infinity();
-  for (double share = widest; share <= longest; share *= kStep) {
+  for (double per_width = widest; per_width <= longest; per_width *= kStep) {
     reportProgress(task.done);
-    const Lens lens = startLens(model, share * task.camera.width, task.camera);
+    const Lens lens = startLens(model, per_width * task.camera.width, task.camera);
     const double score = misfit(lens, task.views);
     if (score < best_misfit) best = lens, best_misfit = score;
   }
@@ -94,8 +95,8 @@ Bundle startBundle(const Lens& lens, const LensTask& task) {
   return bundle;
 }
 
-/// Adjusts twice: with a loss as wide as what is not yet modelled, then as wide as the noise.
-void climb(Bundle& bundle, const Rung& rung, double done) {
+/// Adjusts twice: with a loss as wide as the unmodelled error, then as wide as the noise.
+void fitRung(Bundle& bundle, const Rung& rung, double done) {
   AdjustOptions options;
   options.done = done;
   BundleCamera& camera = bundle.cameras[0];
@@ -113,16 +114,16 @@ struct Candidate {
   Bundle bundle;
 };
 
-std::vector<Candidate> climbAll(const std::vector<Rung>& rungs, const LensTask& task) {
+std::vector<Candidate> fitAllRungs(const std::vector<Rung>& rungs, const LensTask& task) {
   Bundle bundle = startBundle(searchFocal(rungs[0].model, task), task);
   if (static_cast<int>(bundle.views.size()) < kFewestViews) return {};
-  bundle.cameras[0].free_center = false;  // few views, all upright, would push it anywhere
-  climb(bundle, rungs[0], task.done);
-  // Where the first pose was the wrong one of two, it is now that the other explains the view better.
+  bundle.cameras[0].free_center = false;  // undetermined if there are only few, upright views
+  fitRung(bundle, rungs[0], task.done);
+  // With the better lens, poses that were the wrong one of two are now corrected.
   bundle = startBundle(bundle.cameras[0].lens, task);
   std::vector<Candidate> candidates;
   for (const Rung& rung : rungs) {
-    climb(bundle, rung, task.done);
+    fitRung(bundle, rung, task.done);
     candidates.push_back({rung, bundle});
   }
   return candidates;
@@ -135,7 +136,7 @@ double informationCriterion(const Candidate& candidate, double noise_px) {
   return robustCost(candidate.bundle, noise_px) + candidate.rung.coefficients * std::log(observations);
 }
 
-const Candidate& fewestThatExplain(const std::vector<Candidate>& candidates, const CameraViews& camera) {
+const Candidate& selectModel(const std::vector<Candidate>& candidates, const CameraViews& camera) {
   double noise_px = std::numeric_limits<double>::infinity();
   for (const Candidate& candidate : candidates)
     noise_px = std::min(noise_px, candidate.bundle.cameras[0].noise_px);
@@ -144,21 +145,21 @@ const Candidate& fewestThatExplain(const std::vector<Candidate>& candidates, con
   for (const Candidate& candidate : candidates) {
     if (!reachesCorners(candidate.bundle.cameras[0].lens, camera.width, camera.height)) continue;
     const double criterion = informationCriterion(candidate, noise_px);
-    // k4 to k6 pull against k1 to k3: they must be worth much more than their number.
+    // k4 to k6 are correlated with k1 to k3, so they must improve the fit by much more than their number.
     const double margin = candidate.rung.coefficients == 8 ? 30 : 0;
     if (criterion + margin < least) best = &candidate, least = criterion + margin;
   }
   return *best;
 }
 
-/// A perspective lens wherever one explains the views nearly as well: all programs read it.
-Candidate chosen(const LensTask& task) {
-  const std::vector<Candidate> plain = climbAll(kPlainRungs, task), fish = climbAll(kFishRungs, task);
+/// Prefers a perspective lens if it fits nearly as well, because all programs read it.
+Candidate selectLens(const LensTask& task) {
+  const std::vector<Candidate> plain = fitAllRungs(kPlainRungs, task), fish = fitAllRungs(kFishRungs, task);
   if (plain.empty() && fish.empty()) return {};
-  if (plain.empty()) return fewestThatExplain(fish, task.camera);
-  const Candidate best = fewestThatExplain(plain, task.camera);
+  if (plain.empty()) return selectModel(fish, task.camera);
+  const Candidate best = selectModel(plain, task.camera);
   if (fish.empty()) return best;
-  const Candidate best_fish = fewestThatExplain(fish, task.camera);
+  const Candidate best_fish = selectModel(fish, task.camera);
   const BundleCamera &as_plain = best.bundle.cameras[0], &as_fish = best_fish.bundle.cameras[0];
   const int width = task.camera.width, height = task.camera.height;
   const bool only_fish_reaches =
@@ -168,16 +169,16 @@ Candidate chosen(const LensTask& task) {
   return is_fish ? best_fish : best;
 }
 
-Candidate forced(const LensTask& task, LensChoice choice) {
+Candidate requestedLens(const LensTask& task, LensChoice choice) {
   const std::vector<Candidate> all =
-      climbAll(choice == LensChoice::kFisheye ? kFishRungs : kPlainRungs, task);
+      fitAllRungs(choice == LensChoice::kFisheye ? kFishRungs : kPlainRungs, task);
   const int coefficients = choice == LensChoice::kFive ? 5 : choice == LensChoice::kEight ? 8 : 4;
   for (const Candidate& candidate : all)
     if (candidate.rung.coefficients == coefficients) return candidate;
   return {};
 }
 
-/// Where a view lies in the image, how large it is and how it is tilted: what lenses are told apart by.
+/// A view's position, size and tilt, which determine what it contributes to a lens.
 Eigen::Matrix<double, 6, 1> featuresOf(const BundleView& view, const CameraViews& camera) {
   Vec2 middle = Vec2::Zero();
   for (const Vec2& pixel : view.pixels) middle += pixel / static_cast<double>(view.pixels.size());
@@ -197,8 +198,9 @@ Eigen::Matrix<double, 6, 1> featuresOf(const BundleView& view, const CameraViews
   return features;
 }
 
-/// The views that differ most: each next one is the farthest from all before (Gonzalez 1985).
-std::vector<BundleView> spreadOut(const std::vector<BundleView>& views, const CameraViews& camera, int most) {
+/// The most different views: each next one is the farthest from all previous ones (Gonzalez 1985).
+std::vector<BundleView> selectSpreadViews(const std::vector<BundleView>& views, const CameraViews& camera,
+                                          int most) {
   if (static_cast<int>(views.size()) <= most) return views;
   std::vector<double> nearest(views.size(), std::numeric_limits<double>::infinity());
   std::vector<BundleView> kept;
@@ -211,7 +213,7 @@ std::vector<BundleView> spreadOut(const std::vector<BundleView>& views, const Ca
     const auto features = featuresOf(views[next], camera);
     for (std::size_t i = 0; i < views.size(); ++i) {
       const double apart = (featuresOf(views[i], camera) - features).norm();
-      // Of two views equally far, the one with more corners says more.
+      // Prefers views with more corners.
       nearest[i] = std::min(nearest[i], apart * std::sqrt(static_cast<double>(views[i].corners.size())));
     }
     next = static_cast<std::size_t>(std::max_element(nearest.begin(), nearest.end()) - nearest.begin());
@@ -251,7 +253,7 @@ std::vector<Pose> boardPoses(const Lens& lens, const BundleView& view) {
   for (std::size_t i = 0; i < view.corners.size(); ++i) {
     if (!view.trusted[i]) continue;
     const std::optional<Vec3> ray = rayThroughPixel(lens, view.pixels[i]);
-    if (!ray || !(ray->z() > 0) || ray->head<2>().norm() > kWidestSlope * ray->z()) continue;
+    if (!ray || !(ray->z() > 0) || ray->head<2>().norm() > kMaxSlope * ray->z()) continue;
     corners.emplace_back(view.corners[i].x(), view.corners[i].y(), 0);
     slopes.emplace_back(ray->x() / ray->z(), ray->y() / ray->z());
   }
@@ -280,15 +282,16 @@ std::vector<Pose> boardPoses(const Lens& lens, const BundleView& view) {
 
 BundleCamera fitLens(const LensTask& task, const CalibrationOptions& options) {
   const CameraViews& camera = task.camera;
-  const LensTask spread{camera, spreadOut(task.views, camera, options.max_lens_views), task.done};
-  Candidate candidate = options.lens == LensChoice::kAuto ? chosen(spread) : forced(spread, options.lens);
-  const std::string fault = "camera \"" + camera.name + "\": no lens explains its views of the board";
+  const LensTask spread{camera, selectSpreadViews(task.views, camera, options.max_lens_views), task.done};
+  Candidate candidate =
+      options.lens == LensChoice::kAuto ? selectLens(spread) : requestedLens(spread, options.lens);
+  const std::string prefix = "camera \"" + camera.name + "\": no lens fits its views of the board";
   if (candidate.bundle.cameras.empty())
-    throw Error(fault + "; the board that was recorded (--squares, --square-mm) would be right");
+    throw Error(prefix + "; expected the recorded board (--squares, --square-mm)");
   BundleCamera& found = candidate.bundle.cameras[0];
   if (found.noise_px > 0.01 * camera.width)
-    throw Error(fault + " to better than " + std::to_string(std::lround(found.noise_px)) +
-                " pixels; the board that was recorded (--squares, --square-mm), held still, would be right");
+    throw Error(prefix + " to better than " + std::to_string(std::lround(found.noise_px)) +
+                " pixels; expected the recorded board (--squares, --square-mm), held still");
   return found;
 }
 

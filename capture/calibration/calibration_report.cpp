@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How good a calibration is, and in plain text what is poor about it.
+// The quality of a calibration, and warnings about it.
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -15,9 +15,9 @@ namespace {
 // Half a per cent of the focal length moves a point 1 m away by 5 mm along the ray.
 constexpr double kPoorFocal = 0.005;
 
-std::string percent(double share) {
+std::string percent(double fraction) {
   char text[32];
-  std::snprintf(text, sizeof text, "%.*f %%", share < 0.1 ? 1 : 0, 100 * share);
+  std::snprintf(text, sizeof text, "%.*f %%", fraction < 0.1 ? 1 : 0, 100 * fraction);
   return text;
 }
 
@@ -27,7 +27,7 @@ std::string twoDigits(double value) {
   return text;
 }
 
-/// Where the rays through pixels of several cameras meet: the point of the least sum of squared angles.
+/// The point with the smallest sum of squared angles to the rays through pixels of several cameras.
 std::optional<Vec3> triangulate(const Rig& rig, const std::vector<std::pair<int, Vec2>>& sights) {
   std::optional<Vec3> point;
   for (int round = 0; round < 3; ++round) {
@@ -111,33 +111,33 @@ void warnOfCamera(const CameraQuality& quality, const std::string& name, std::ve
   };
   if (quality.views < kFewViews)
     printWarning("only " + std::to_string(quality.views) +
-                 " views of the board are of use; wave it longer before it");
+                 " views of the board are usable; wave the board in front of it for longer");
   if (quality.coverage < kPoorCoverage)
-    printWarning("the board was seen in " + percent(quality.coverage) +
-                 " of its image; bring it nearer, and to the edges" +
+    printWarning("the board covered only " + percent(quality.coverage) +
+                 " of its image; bring it closer, and to the edges" +
                  (quality.bare_sides.empty() ? "" : ": " + quality.bare_sides));
-  if (quality.rms_px > kHighRms_px)
+  if (quality.rms_px > kMaxGoodRms_px)
     printWarning("corners are off by " + twoDigits(quality.rms_px) +
-                 " px; a flat, stiff board, moved more slowly in more light, would be better");
+                 " px; use a flat, stiff board, and move it more slowly in more light");
   if (10 * quality.dropped > quality.corners + quality.dropped)
     printWarning(
         percent(static_cast<double>(quality.dropped) / (quality.corners + quality.dropped)) +
-        " of its corners fit nothing and were dropped; is the board flat, sharp and the one that was named?");
+        " of its corners were dropped as outliers; is the board flat, in focus, and the one in the options?");
   if (quality.focal_sigma > kPoorFocal)
-    printWarning("its focal length is hardly known" +
+    printWarning("its focal length is uncertain" +
                  (std::isfinite(quality.focal_sigma) ? " (to " + percent(quality.focal_sigma) + ")" : "") +
-                 "; tilt the board by 30 degrees and more to all sides, near and far");
+                 "; tilt the board by at least 30 degrees to all sides, near and far");
   if (quality.shared_views < kFewShared)
     printWarning("it shares only " + std::to_string(quality.shared_views) +
-                 " views of the board with other cameras; hold it where two of them see it at once");
+                 " views of the board with other cameras; hold it where two of them see it at the same time");
 }
 
 void warnOfRange(const Rig& rig, std::vector<std::string>& warnings) {
   for (const Camera& camera : rig.cameras)
     if (!reachesCorners(camera.lens, camera.width, camera.height))
       warnings.push_back("camera \"" + camera.name +
-                         "\": its lens, as far as it was seen, does not reach the image's corners, where "
-                         "nothing will count; show it the board there, or try another --lens");
+                         "\": its lens model ends before the image's corners, which are ignored; show it the "
+                         "board there, or try another --lens");
 }
 
 void warnOfCube(const Rig& rig, std::vector<std::string>& warnings) {
@@ -145,7 +145,7 @@ void warnOfCube(const Rig& rig, std::vector<std::string>& warnings) {
     if (!project(camera, rig.workspace.center))
       warnings.push_back(
           "camera \"" + camera.name +
-          "\": it does not see the cube's middle; --center X,Y,Z puts it where all cameras look");
+          "\": it does not see the cube's centre; use --center X,Y,Z to move it to where all cameras look");
 }
 
 }  // namespace
@@ -166,9 +166,9 @@ void warnOfSkew(const Bundle& bundle, std::vector<std::string>& warnings) {
   if (10 * torn > shared)
     warnings.push_back(
         "in " + std::to_string(torn) + " of " + std::to_string(shared) +
-        " frames the cameras disagree on where the board was, so they don't take their images "
-        "at the same time; those frames place no camera: hold the board still now and then, or "
-        "record timestamps.csv");
+        " frames the cameras disagree on the board's position, so they do not capture at the same time; "
+        "these "
+        "frames are not used for poses: hold the board still now and then, or record timestamps.csv");
 }
 
 void measure(const Bundle& bundle, Calibration& calibration) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What calibrating and recalibrating have in common: the views that count, where the boards were, everything
-// at once, and the world.
+// The steps common to calibration and recalibration: usable views, board poses, joint adjustment, and the
+// world.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,11 +12,11 @@
 namespace airclay {
 namespace {
 
-// So far off before anything is adjusted, a view will not be explained by its board's place, ever.
-constexpr double kHopeless_px = 100;
+// A view with a larger error before the first adjustment will never fit its board's pose.
+constexpr double kMaxViewError_px = 100;
 
-/// The poses that a view allows; a corner that is far off bends them, so once more without such.
-std::vector<Pose> steadyPoses(const Lens& lens, BundleView view) {
+/// The poses that a view allows, computed again without outliers, which would distort them.
+std::vector<Pose> robustPoses(const Lens& lens, BundleView view) {
   const std::vector<Pose> poses = boardPoses(lens, view);
   if (poses.empty()) return poses;
   std::vector<double> errors;
@@ -30,9 +30,9 @@ std::vector<Pose> steadyPoses(const Lens& lens, BundleView view) {
   return again.empty() ? poses : again;
 }
 
-/// Gives a view that contradicts its board's other views a stand of its own: cameras that aren't synchronised
-/// saw the board in two places. It goes on to say what it can of its lens. `patience_px` is more than a
-/// camera's noise while the cameras' places are rough.
+/// Gives a view that contradicts its board's other views a separate stand: unsynchronized cameras see the
+/// board in different places. The view still contributes to its lens. `patience_px`: a tolerance above the
+/// camera's noise while the cameras' poses are inaccurate.
 void separate(Bundle& bundle, const ViewPoses& poses, double patience_px) {
   std::vector<int> sharers(bundle.world_from_board.size(), 0);
   for (const BundleView& view : bundle.views) ++sharers[static_cast<std::size_t>(view.stand)];
@@ -54,12 +54,12 @@ void measureNoise(Bundle& bundle) {
     bundle.cameras[c].noise_px = robustNoise(bundle, static_cast<int>(c));
 }
 
-/// Both poses of each view's board; views that allow none are left out.
+/// Both board poses of each view; removes views without a pose.
 ViewPoses posesOfViews(Bundle& bundle) {
   ViewPoses poses;
   std::vector<BundleView> kept;
   for (BundleView& view : bundle.views) {
-    std::vector<Pose> of_view = steadyPoses(bundle.cameras[static_cast<std::size_t>(view.camera)].lens, view);
+    std::vector<Pose> of_view = robustPoses(bundle.cameras[static_cast<std::size_t>(view.camera)].lens, view);
     if (of_view.empty()) continue;
     poses.push_back(std::move(of_view));
     kept.push_back(std::move(view));
@@ -68,7 +68,8 @@ ViewPoses posesOfViews(Bundle& bundle) {
   return poses;
 }
 
-/// Puts each board where the cameras that saw it are least surprised: one view alone leaves two poses.
+/// Selects each board's pose with the smallest error in all cameras that see it; a single view allows two
+/// poses.
 void placeBoards(Bundle& bundle, const ViewPoses& poses) {
   constexpr double kWorst_px = 30;
   std::vector<std::vector<std::size_t>> views_of_stand(bundle.world_from_board.size());
@@ -92,13 +93,13 @@ void placeBoards(Bundle& bundle, const ViewPoses& poses) {
   }
 }
 
-/// All at once, robustly; then without the corners that fit nothing, and the views that contradict others.
+/// Robust joint adjustment, repeated without outlier corners and with contradictory views separated.
 void adjustAll(Bundle& bundle, const ViewPoses& poses, bool fix_lenses) {
   AdjustOptions options;
   options.done = kLensesShare;
-  options.fix_lenses = true;  // the chain's places are rough yet: they shall not bend the lenses
+  options.fix_lenses = true;  // the chain's poses are still inaccurate and must not distort the lenses
   for (BundleCamera& camera : bundle.cameras) camera.noise_px = std::max(camera.noise_px, 1.0);
-  separate(bundle, poses, kHopeless_px);
+  separate(bundle, poses, kMaxViewError_px);
   adjust(bundle, options);
   options.fix_lenses = fix_lenses;
   for (const double done : {0.6, 0.7, 0.8}) {
@@ -118,15 +119,15 @@ void adjustAll(Bundle& bundle, const ViewPoses& poses, bool fix_lenses) {
   trustNearCorners(bundle);
 }
 
-/// \throw Error when a camera is left without a board that places it.
+/// \throw Error if a camera has no board in common with another one.
 void checkPlaced(const Bundle& bundle, const std::vector<CameraViews>& cameras) {
   const std::vector<int> shared = sharedViews(bundle);
   for (std::size_t c = 0; c < cameras.size(); ++c)
     if (shared[c] == 0)
-      throw Error(
-          "camera \"" + cameras[c].name +
-          "\": in no frame does it agree with another camera on where the board was; cameras that take "
-          "their images at the same time, or a board that is held still now and then, would be right");
+      throw Error("camera \"" + cameras[c].name +
+                  "\": in no frame does it agree with another camera on the board's position; synchronize "
+                  "the cameras, "
+                  "or hold the board still now and then");
 }
 
 }  // namespace
@@ -146,9 +147,9 @@ Bundle gatherViews(const Board& board, const std::vector<CameraViews>& cameras, 
     }
     if (usable < needed.fewest)
       throw Error("camera \"" + cameras[c].name + "\" sees the board well in " + std::to_string(usable) +
-                  (usable == 1 ? " frame" : " frames") + "; at least " + std::to_string(needed.fewest) +
-                  ", better " + std::to_string(needed.better) +
-                  ", would be right: wave it slowly before every camera");
+                  (usable == 1 ? " frame" : " frames") + "; expected at least " +
+                  std::to_string(needed.fewest) + ", better " + std::to_string(needed.better) +
+                  ": wave it slowly in front of every camera");
   }
   bundle.world_from_board.resize(stand_of_frame.size(), Pose::Identity());
   return bundle;
@@ -192,10 +193,10 @@ const BundleView& worldView(const Bundle& bundle, std::optional<int> frame) {
     if (vote > most || (vote == most && best && view.frame < best->frame)) best = &view;
   }
   if (!best)
-    throw Error(
-        "--world " + std::to_string(frame.value_or(0)) +
-        ": no camera sees the board well in this frame; one in which it lies on the table, in several "
-        "cameras' view, would be right");
+    throw Error("--world " + std::to_string(frame.value_or(0)) +
+                ": no camera sees the board well in this frame; expected one in which it is on the table and "
+                "visible in "
+                "several cameras");
   return *best;
 }
 

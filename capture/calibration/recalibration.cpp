@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Where the cameras are now comes from the views alone, in a world of its own. Then each camera says where
-// the old world would be if it had not moved; those that say the same have not.
+// Estimates the cameras' new poses from the views alone, in a new world. Each camera then implies the old
+// world's pose if it had not moved; the cameras that agree have not moved.
 #include "capture/calibration/recalibration.h"
 
 #include <Eigen/SVD>
@@ -14,24 +14,24 @@
 namespace airclay {
 namespace {
 
-// As long as the cube's middle stays within this, and the world is not turned by more, a camera has not
-// moved. What a bumped tripod does is several times as much; what rigs by corners that are good to 0.1 px are
-// off by is less than half of it.
-constexpr double kSamePlace_m = 0.0015;
-constexpr double kSameTurn = 0.15 * M_PI / 180;
-// Nor by what its views leave open: three standard deviations, of a camera and of the boards by which it is
-// placed, which another camera knows no better. But this is a bump, however little is known.
+// A camera has not moved if the cube's centre and the world's rotation stay within these limits. A bumped
+// tripod moves several times as much; calibrations with corners accurate to 0.1 px differ by less than half.
+constexpr double kSamePosition_m = 0.0015;
+constexpr double kSameRotation = 0.15 * M_PI / 180;
+// The limits grow to three standard deviations of the uncertainty of a camera and of its boards, which other
+// cameras determine no better; but a larger change than kMovedPosition_m or kMovedRotation always counts as
+// movement.
 constexpr double kDeviations = 3 * M_SQRT2;
-constexpr double kOtherPlace_m = 0.005;
-constexpr double kOtherTurn = 0.5 * M_PI / 180;
-// Where no two agree, cameras that are not synchronised may be the reason: so many times as far apart are
-// still better than no old world.
-constexpr double kMorePatience = 3;
-// A camera that is known less surely is said to be.
+constexpr double kMovedPosition_m = 0.005;
+constexpr double kMovedRotation = 0.5 * M_PI / 180;
+// If no two cameras agree, possibly because they are not synchronized, the limits are relaxed by this factor,
+// which is better than losing the old world.
+constexpr double kRelaxedTolerance = 3;
+// A larger uncertainty of a camera's pose gives a warning.
 constexpr double kUnsure_m = 0.001;
-// A focal length that is off by so much misplaces a point 1 m away by 5 mm along the ray.
+// An error of this size in the focal length displaces a point 1 m away by 5 mm along the ray.
 constexpr double kSameFocal = 0.005;
-// Of the size of a board: less is a ruler's error.
+// Relative difference of board sizes: less is the error of a ruler.
 constexpr double kSameScale = 0.002;
 
 std::string fixed(double value, int digits) {
@@ -66,42 +66,42 @@ void addCameras(Bundle& bundle, const Rig& rig) {
   }
 }
 
-/// \throw Error naming a camera that too few views place.
+/// \throw Error naming a camera with too few shared views.
 void checkShared(const Bundle& bundle, const Rig& rig) {
   const std::vector<int> shared = sharedViews(bundle);
   for (std::size_t c = 0; c < rig.cameras.size(); ++c)
     if (shared[c] < kFewestShared)
       throw Error("camera \"" + rig.cameras[c].name + "\" shares " + std::to_string(shared[c]) +
                   (shared[c] == 1 ? " good view" : " good views") +
-                  " of the board with other cameras; at least " + std::to_string(kFewestShared) +
-                  ", better 10, would be right: hold it where this camera and another see it at once");
+                  " of the board with other cameras; expected at least " + std::to_string(kFewestShared) +
+                  ", better 10: hold it where this camera and another see it at the same time");
 }
 
 // --- which cameras moved ---
 
-/// What a camera says of where the old world lies in the new one, if it has not moved.
+/// The old world's pose that a camera implies if it has not moved.
 struct Claim {
   Pose old_from_new = Pose::Identity();
   PoseSigma sigma;
 };
 
-/// Where it does lie.
+/// The estimated pose of the old world.
 struct OldWorld {
   Pose old_from_new = Pose::Identity();
-  double patience = 1;              ///< so many times kSamePlace_m and kSameTurn apart is still the same
-  std::vector<std::size_t> still;   ///< the cameras that say so
-  std::vector<std::size_t> rivals;  ///< as many that say it lies elsewhere
-  double board_scale = 1;           ///< times this, the board's size would let more cameras agree
+  double tolerance = 1;             ///< factor for kSamePosition_m and kSameRotation
+  std::vector<std::size_t> still;   ///< the cameras that agree with it
+  std::vector<std::size_t> rivals;  ///< an equally large group that agrees on another pose
+  double board_scale = 1;           ///< with the board's size scaled by this, more cameras would agree
 };
 
-/// Moves everything into another world.
-void moveInto(Bundle& bundle, const Pose& other_from_world) {
+/// Transforms everything to another world.
+void transformTo(Bundle& bundle, const Pose& other_from_world) {
   for (BundleCamera& camera : bundle.cameras)
     camera.camera_from_world = camera.camera_from_world * other_from_world.inverse();
   for (Pose& pose : bundle.world_from_board) pose = other_from_world * pose;
 }
 
-/// `scale`: the bundle's lengths times this are the rig's.
+/// `scale`: the rig's lengths relative to the bundle's.
 std::vector<Claim> claimsOf(const Rig& rig, const Bundle& bundle, const std::vector<PoseSigma>& sigmas,
                             double scale = 1) {
   std::vector<Claim> claims;
@@ -113,10 +113,11 @@ std::vector<Claim> claimsOf(const Rig& rig, const Bundle& bundle, const std::vec
   return claims;
 }
 
-/// Between the claims of these cameras: the cube's corners move least from where each puts them, the surer
-/// the less (Umeyama 1991, weighted).
+/// The weighted mean of these cameras' claims, which moves the cube's corners least (Umeyama 1991, weighted
+/// by certainty).
 Pose meanClaim(const std::vector<Claim>& claims, const std::vector<std::size_t>& of, const Workspace& cube) {
-  constexpr double kSurest_m = 1e-4, kLeastSure_m = 1;  // lenses leave a tenth of a millimetre open
+  constexpr double kSurest_m = 1e-4,
+                   kLeastSure_m = 1;  // lenses limit the accuracy to a tenth of a millimetre
   std::vector<Vec3> in_new, in_old;
   std::vector<double> weights;
   Vec3 middle_in_new = Vec3::Zero();
@@ -146,17 +147,17 @@ bool agrees(const Claim& claim, const OldWorld& tried, const Workspace& cube) {
   const Vec3 middle_in_new = tried.old_from_new.inverse() * cube.center;
   const double apart_m = (claim.old_from_new * middle_in_new - cube.center).norm();
   const double turn = angleBetween(claim.old_from_new.linear(), tried.old_from_new.linear());
-  return apart_m <=
-             std::clamp(kDeviations * claim.sigma.place_m, tried.patience * kSamePlace_m, kOtherPlace_m) &&
-         turn <= std::clamp(kDeviations * claim.sigma.turn, tried.patience * kSameTurn, kOtherTurn);
+  return apart_m <= std::clamp(kDeviations * claim.sigma.place_m, tried.tolerance * kSamePosition_m,
+                               kMovedPosition_m) &&
+         turn <= std::clamp(kDeviations * claim.sigma.turn, tried.tolerance * kSameRotation, kMovedRotation);
 }
 
-/// The most of `candidates` that say the same; of one camera alone nothing is said.
+/// The largest group of `candidates` that agree; empty if no two do.
 OldWorld largestGroup(const std::vector<Claim>& claims, const std::vector<std::size_t>& candidates,
-                      const Workspace& cube, double patience = 1) {
+                      const Workspace& cube, double tolerance = 1) {
   OldWorld best;
   for (const std::size_t seed : candidates) {
-    OldWorld tried{claims[seed].old_from_new, patience, {}, {}};
+    OldWorld tried{claims[seed].old_from_new, tolerance, {}, {}};
     for (int round = 0; round < 4; ++round) {
       tried.still.clear();
       for (const std::size_t c : candidates)
@@ -182,7 +183,7 @@ std::vector<std::string> namesOf(const Rig& rig, const std::vector<std::size_t>&
   return names;
 }
 
-/// The scale of the board by which most cameras agree, if these are more than `most`; otherwise 1.
+/// The scale of the board with which most cameras agree, if these are more than `most`; otherwise 1.
 double betterBoardScale(const Rig& rig, const Bundle& bundle, const std::vector<PoseSigma>& sigmas,
                         std::size_t most) {
   const std::size_t count = rig.cameras.size();
@@ -206,17 +207,17 @@ double betterBoardScale(const Rig& rig, const Bundle& bundle, const std::vector<
 std::string otherSquares(const Board& board, double scale) {
   return "squares of " + inMillimetres(scale * board.square_m) + " mm instead of " +
          inMillimetres(board.square_m) +
-         " mm; the size by which the rig was calibrated (--square-mm, --check-square-mm) would be right";
+         " mm; expected the size with which the rig was calibrated (--square-mm, --check-square-mm)";
 }
 
-/// How surely each camera sees the cube's middle where it is. \pre the bundle is nearly in the old world
+/// The uncertainty of the cube's centre in each camera. \pre the bundle is approximately in the old world
 std::vector<PoseSigma> sigmasAt(const Vec3& middle, Bundle bundle) {
-  moveInto(bundle, Pose(Eigen::Translation3d(-middle)));
+  transformTo(bundle, Pose(Eigen::Translation3d(-middle)));
   return poseSigmas(bundle);
 }
 
-/// Without two cameras that agree on it, the cube moves least. \throw Error when no two agree, but three or
-/// more would if the board had another size
+/// Estimates the old world; if no two cameras agree, the pose that moves the cube least. \throw Error if no
+/// two agree, but at least three would with another board size
 OldWorld findOldWorld(const Board& board, const Rig& rig, const Bundle& bundle,
                       const std::vector<PoseSigma>& sigmas) {
   const std::size_t count = rig.cameras.size();
@@ -226,15 +227,15 @@ OldWorld findOldWorld(const Board& board, const Rig& rig, const Bundle& bundle,
   if (old.still.empty()) {
     if (const double scale = betterBoardScale(rig, bundle, sigmas, 2); scale != 1)
       throw Error("the cameras agree with the rig for a board with " + otherSquares(board, scale));
-    old = largestGroup(claims, all, rig.workspace, kMorePatience);
+    old = largestGroup(claims, all, rig.workspace, kRelaxedTolerance);
   }
   if (old.still.empty()) {
     old.old_from_new = meanClaim(claims, all, rig.workspace);
     return old;
   }
-  const OldWorld second = largestGroup(claims, others(old.still, count), rig.workspace, old.patience);
+  const OldWorld second = largestGroup(claims, others(old.still, count), rig.workspace, old.tolerance);
   if (second.still.size() == old.still.size()) old.rivals = second.still;
-  // Two cameras side by side agree on a board of any size: both are off by the same.
+  // Two adjacent cameras agree for any board size, because both have the same error.
   if (old.still.size() < count)
     old.board_scale = betterBoardScale(rig, bundle, sigmas, std::max<std::size_t>(2, old.still.size()));
   return old;
@@ -249,34 +250,37 @@ void warnOfBoardSize(const Board& board, const OldWorld& old, std::vector<std::s
 void warnOfWorld(const Rig& rig, const OldWorld& old, std::vector<std::string>& warnings) {
   if (old.still.empty())
     warnings.push_back(
-        "no two cameras stand to each other as before, so where the world was is not known: the cube is "
-        "put where it moves least for all of them; --world N, a frame in which the board lies on the table, "
-        "puts it there");
+        "no two cameras have the same relative pose as before, so the old world is unknown: the cube is "
+        "placed "
+        "where it moves least for all of them; use --world N, a frame in which the board is on the table, to "
+        "place it there");
   if (!old.rivals.empty())
-    warnings.push_back(
-        "the cameras " + listed(namesOf(rig, old.still)) + " stand to each other as before, and so do " +
-        listed(namesOf(rig, old.rivals)) +
-        ", but these not to those: the first are taken to be where they were; where it is the others, "
-        "--world N, a frame in which the board lies on the table, says where the world is");
+    warnings.push_back("the cameras " + listed(namesOf(rig, old.still)) +
+                       " have the same relative poses as before, and so do " +
+                       listed(namesOf(rig, old.rivals)) +
+                       ", but not both groups together: the first group is assumed not to have moved; if it "
+                       "has, use --world N, "
+                       "a frame in which the board is on the table, to define the world");
 }
 
 void warnOfPoses(const Rig& rig, const std::vector<PoseSigma>& sigmas, std::vector<std::string>& warnings) {
   for (std::size_t c = 0; c < rig.cameras.size(); ++c)
     if (!(sigmas[c].place_m <= kUnsure_m))
-      warnings.push_back("camera \"" + rig.cameras[c].name + "\": its place is hardly known" +
+      warnings.push_back("camera \"" + rig.cameras[c].name + "\": its pose is uncertain" +
                          (std::isfinite(sigmas[c].place_m)
-                              ? ": the cube's middle is sure to " + fixed(1000 * sigmas[c].place_m, 1) + " mm"
+                              ? ": the cube's centre to " + fixed(1000 * sigmas[c].place_m, 1) + " mm"
                               : std::string()) +
-                         "; show it the board longer, near and tilted, together with another camera");
+                         "; show it the board for longer, near and tilted, together with another camera");
 }
 
 // --- how good it is ---
 
-/// The same boards seen with the old rig: each where it fits best. \pre `bundle` is in the old world
+/// The reprojection errors of the same boards with the old rig and the best board poses. \pre `bundle` is in
+/// the old world
 void measureBefore(const Rig& rig, Bundle bundle, Recalibration& found) {
   for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
     bundle.cameras[c].camera_from_world = rig.cameras[c].camera_from_world;
-    bundle.cameras[c].noise_px = 1;  // a board goes with the cameras that agree
+    bundle.cameras[c].noise_px = 1;  // a board follows the cameras that agree
   }
   AdjustOptions options;
   options.fix_lenses = options.fix_cameras = true;
@@ -285,7 +289,8 @@ void measureBefore(const Rig& rig, Bundle bundle, Recalibration& found) {
   std::vector<double> sums(rig.cameras.size(), 0), counts(rig.cameras.size(), 0);
   for (const BundleView& view : bundle.views) {
     const auto c = static_cast<std::size_t>(view.camera);
-    const double most_px = 2 * bundle.cameras[c].half_diagonal_px;  // what isn't projected is far off
+    const double most_px =
+        2 * bundle.cameras[c].half_diagonal_px;  // the limit for corners that are not projected
     for (std::size_t i = 0; i < view.corners.size(); ++i) {
       if (!view.trusted[i]) continue;
       const double length = std::min(residualOf(bundle, view, i).norm(), most_px);
@@ -314,8 +319,8 @@ void measureChanges(const Rig& rig, const Bundle& bundle, const OldWorld& old, R
   found.world_kept = !old.still.empty();
 }
 
-/// Warns where the views would rather have another focal length than the rig's, or are off for no reason that
-/// is known. Whether there was another lens.
+/// Warns if the views fit another focal length better than the rig's, or have large errors for an unknown
+/// reason. Returns whether a lens has changed.
 bool warnOfLenses(Bundle bundle, Calibration& found) {
   AdjustOptions options;
   options.loss = Loss::kHuber;
@@ -332,14 +337,14 @@ bool warnOfLenses(Bundle bundle, Calibration& found) {
     };
     if (std::abs(change) > std::max(kSameFocal, 4 * sigmas[c])) {
       other_lens = true;
-      printWarning("its images are like those of a focal length " + fixed(100 * std::abs(change), 1) + " % " +
+      printWarning("its images fit a focal length " + fixed(100 * std::abs(change), 1) + " % " +
                    (change > 0 ? "longer" : "shorter") +
-                   ", so its zoom or focus was changed; `airclay calibrate` finds its lens anew");
-    } else if (found.cameras[c].rms_px > kHighRms_px) {
-      printWarning(
-          "corners are off by " + fixed(found.cameras[c].rms_px, 2) +
-          " px; where its zoom or focus was changed, `airclay calibrate` finds its lens anew, otherwise a "
-          "flat, stiff board, moved more slowly in more light, would be better");
+                   ", so its zoom or focus was changed; calibrate its lens again with `airclay calibrate`");
+    } else if (found.cameras[c].rms_px > kMaxGoodRms_px) {
+      printWarning("corners are off by " + fixed(found.cameras[c].rms_px, 2) +
+                   " px; if its zoom or focus was changed, calibrate its lens again with `airclay "
+                   "calibrate`; otherwise "
+                   "use a flat, stiff board, and move it more slowly in more light");
     }
   }
   return other_lens;
@@ -348,37 +353,35 @@ bool warnOfLenses(Bundle bundle, Calibration& found) {
 void warnOfCube(const Rig& rig, std::vector<std::string>& warnings) {
   for (const Camera& camera : rig.cameras)
     if (!project(camera, rig.workspace.center))
-      warnings.push_back(
-          "camera \"" + camera.name +
-          "\": it does not see the cube's middle any more; turn it back, and recalibrate again");
+      warnings.push_back("camera \"" + camera.name +
+                         "\": it no longer sees the cube's centre; turn it back, and recalibrate again");
 }
 
 }  // namespace
 
 void checkSameCameras(const Rig& rig, const std::vector<CameraViews>& cameras) {
-  std::vector<std::string> lacking, foreign;
+  std::vector<std::string> missing, unknown;
   for (const Camera& camera : rig.cameras)
     if (std::none_of(cameras.begin(), cameras.end(),
                      [&](const CameraViews& views) { return views.name == camera.name; }))
-      lacking.push_back(camera.name);
+      missing.push_back(camera.name);
   for (const CameraViews& views : cameras)
     if (std::none_of(rig.cameras.begin(), rig.cameras.end(),
                      [&](const Camera& camera) { return views.name == camera.name; }))
-      foreign.push_back(views.name);
-  std::string fault;
-  if (!lacking.empty()) fault = "there are no images of the rig's " + listed(lacking);
-  if (!foreign.empty())
-    fault += (fault.empty() ? "" : ", and ") + listed(foreign) + (foreign.size() > 1 ? " are" : " is") +
-             " not in the rig";
-  if (!fault.empty())
-    throw Error(fault + "; a recording of all of the rig's cameras, under their names, would be right");
+      unknown.push_back(views.name);
+  std::string message;
+  if (!missing.empty()) message = "there are no images of the rig's " + listed(missing);
+  if (!unknown.empty())
+    message += (message.empty() ? "" : ", and ") + listed(unknown) + (unknown.size() > 1 ? " are" : " is") +
+               " not in the rig";
+  if (!message.empty())
+    throw Error(message + "; expected a recording of all of the rig's cameras, with the same names");
   for (const CameraViews& views : cameras)
     for (const Camera& camera : rig.cameras)
       if (views.name == camera.name && (views.width != camera.width || views.height != camera.height))
         throw Error("camera \"" + camera.name + "\": its images are " + std::to_string(views.width) + " x " +
-                    std::to_string(views.height) + " pixels, the rig's " + std::to_string(camera.width) +
-                    " x " + std::to_string(camera.height) +
-                    "; images of the size that the rig was calibrated for would be right");
+                    std::to_string(views.height) + " pixels; expected the rig's " +
+                    std::to_string(camera.width) + " x " + std::to_string(camera.height));
 }
 
 Recalibration recalibrate(const Board& board, const Rig& rig, const std::vector<CameraViews>& cameras,
@@ -393,10 +396,10 @@ Recalibration recalibrate(const Board& board, const Rig& rig, const std::vector<
   Recalibration found;
   Calibration& calibration = found.calibration;
   const std::vector<PoseSigma> even(rig.cameras.size(), {0, 0});
-  moveInto(bundle, meanClaim(claimsOf(rig, bundle, even), others({}, even.size()), rig.workspace));
+  transformTo(bundle, meanClaim(claimsOf(rig, bundle, even), others({}, even.size()), rig.workspace));
   const std::vector<PoseSigma> sigmas = sigmasAt(rig.workspace.center, bundle);
   const OldWorld old = findOldWorld(board, rig, bundle, sigmas);
-  moveInto(bundle, old.old_from_new);
+  transformTo(bundle, old.old_from_new);
   warnOfBoardSize(board, old, calibration.warnings);
   if (!options.world_frame) warnOfWorld(rig, old, calibration.warnings);
   measureChanges(rig, bundle, old, found);

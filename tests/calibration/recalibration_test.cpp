@@ -302,13 +302,13 @@ TEST(Recalibration, ReportsCamerasThatTheRigLacks) {
   BumpedScene scene({});
   scene.views[1].name = "left";
   std::string message = messageOf([&] { scene.recalibrated(); });
-  for (const char* text : {"the rig's \"cam1\"", "\"left\" is not in the rig", "would be right"})
+  for (const char* text : {"the rig's \"cam1\"", "\"left\" is not in the rig", "expected"})
     EXPECT_NE(message.find(text), std::string::npos) << message;
   EXPECT_EQ(message.find('\n'), std::string::npos);
   scene.views[1].name = "cam1";
   scene.views[3].width *= 2, scene.views[3].height *= 2;  // a valid scaling, but not a requested one
   message = messageOf([&] { scene.recalibrated(); });
-  EXPECT_NE(message.find("\"cam3\": its images are 1280 x 960 pixels, the rig's 640 x 480"),
+  EXPECT_NE(message.find("\"cam3\": its images are 1280 x 960 pixels; expected the rig's 640 x 480"),
             std::string::npos)
       << message;
   scene.views.pop_back();
