@@ -14,8 +14,8 @@ std::pair<int, int> parsePair(const std::string& option, const std::string& text
   const bool is_pair = std::sscanf(text.c_str(), "%6dx%6d%n", &first, &second, &read) == 2 &&
                        static_cast<std::size_t>(read) == text.size();
   if (!is_pair || first < 1 || second < 1)
-    throw Error(option + " " + oneLine(text) + ": two whole numbers with an x between them, as in " +
-                    (option == "--squares" ? "5x3" : "640x480") + ", would be right",
+    throw Error(option + " " + oneLine(text) + ": expected two whole numbers with an x between them, as in " +
+                    (option == "--squares" ? "5x3" : "640x480"),
                 Fault::kUsage);
   return {first, second};
 }

@@ -36,10 +36,10 @@ struct Sight {
 Sight sightFromOptions(const BoardCommandOptions& options) {
   const auto [width, height] = parsePair("--resolution", options.resolution);
   if (!(options.distance_m > 0 && options.distance_m <= 1000))
-    throw Error("--distance " + fixed(options.distance_m, 2) + ": metres, more than 0, would be right",
+    throw Error("--distance " + fixed(options.distance_m, 2) + ": expected a distance above 0 metres",
                 Fault::kUsage);
   if (!(options.fov_degrees >= 1 && options.fov_degrees <= 170))
-    throw Error("--fov " + fixed(options.fov_degrees, 1) + ": 1 to 170 degrees would be right",
+    throw Error("--fov " + fixed(options.fov_degrees, 1) + ": expected 1 to 170 degrees",
                 Fault::kUsage);
   return {{focalOf(width, options.fov_degrees), options.distance_m},
           "a " + std::to_string(width) + " x " + std::to_string(height) + " camera with " +
@@ -138,7 +138,7 @@ void printVerdictJson(nlohmann::ordered_json json, const std::optional<Verdict>&
 void runBoard(const BoardCommandOptions& options) {
   const bool is_pdf = options.out.ends_with(".pdf");
   if (!is_pdf && !options.out.ends_with(".png"))
-    throw Error("--out " + options.out + ": a name that ends in .pdf or .png would be right", Fault::kUsage);
+    throw Error("--out " + options.out + ": expected a name that ends in .pdf or .png", Fault::kUsage);
   const Board board = options.board.board();
   const Page page = pageOf(options.page);
   const std::optional<Sight> sight = sightOf(options);

@@ -83,7 +83,7 @@ Board CalibrationCommandOptions::measuredBoard(std::vector<std::string>& warning
   if (ratio < 0.5 || ratio > 2)
     throw Error("--check-square-mm " + fixed(measured_square_mm, 2) + " is not the size of a square of " +
                     fixed(1000 * measured.square_m, 2) +
-                    " mm; the measured edge of one square, in millimetres, would be right",
+                    " mm; expected the measured edge of one square, in millimetres",
                 Fault::kUsage);
   if (std::abs(ratio - 1) > kSameSize)
     warnings.push_back("the board was printed at " + fixed(100 * ratio, 1) + " %: its squares are " +
@@ -109,7 +109,7 @@ void CalibrationCommandOptions::check() const {
         "right",
         Fault::kUsage);
   if (!take.empty() && live())
-    throw Error("a recording and live cameras exclude each other; either TAKE or --camera would be right",
+    throw Error("a recording and live cameras exclude each other; use either TAKE or --camera",
                 Fault::kUsage);
   checkWritable(out);
   if (!image.empty()) checkWritable(image);

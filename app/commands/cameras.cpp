@@ -210,7 +210,7 @@ void runCameras(const CamerasOptions& options) {
     throw Error("--watch must be a number of seconds above 0, or no number: until Ctrl-C", Fault::kUsage);
   if (!options.cameras.given()) {
     if (options.watches)
-      throw Error("--watch needs cameras to watch; --camera left=0 --camera right=2 would be right",
+      throw Error("--watch needs cameras to watch; add, for example, --camera left=0 --camera right=2",
                   Fault::kUsage);
     const std::vector<V4l2Device> devices = listV4l2Devices();
     if (options.json) printJson({{"devices", devicesJson(devices)}});

@@ -42,7 +42,7 @@ struct TurnOptions : DocumentOptions {
 /// Requires the extension .clay, so that a typing error cannot overwrite an OBJ with a document.
 void checkEnding(const std::string& file) {
   if (!file.ends_with(".clay"))
-    throw Error(file + ": a document's name ends in .clay; " + file + ".clay would be right", Fault::kUsage);
+    throw Error(file + ": a document's name ends in .clay; use " + file + ".clay", Fault::kUsage);
 }
 
 void runNew(const NewOptions& options) {
@@ -142,7 +142,7 @@ void runSet(const SetOptions& options) {
   if (sameClay(state, document.state()))
     throw Error(
         "set " + options.file +
-            ": nothing to change; --levels, --rule, --solve or --clay with another value would be right",
+            ": nothing to change; use --levels, --rule, --solve or --clay with another value",
         Fault::kUsage);
   const Subdivision subdivision =
       subdivide(state.cage, state.levels, state.rule);  // throws if the level is too high

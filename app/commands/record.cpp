@@ -221,9 +221,9 @@ std::string Recorder::summary() const {
 
 void checkOptions(const RecordOptions& options) {
   if (!options.cameras.given())
-    throw Error("no cameras given: --camera NAME=SOURCE, once per camera, would be right", Fault::kUsage);
+    throw Error("no cameras given; add --camera NAME=SOURCE once per camera", Fault::kUsage);
   if (options.background > 0 && options.background_s > 0)
-    throw Error("--background and --background-seconds exclude each other; one of them would be right",
+    throw Error("--background and --background-seconds exclude each other; use one of them",
                 Fault::kUsage);
   if (!(options.seconds >= 0 && options.seconds <= 86400 && options.background_s >= 0 &&
         options.background_s <= 60 && options.background >= 0 && options.background <= 10000))
@@ -269,11 +269,10 @@ void runRecord(const RecordOptions& options) {
   if (!recorder.whyItEnded().empty())
     throw Error(options.out + ": " + recorder.whyItEnded() + ": the recording ends with its " +
                 std::to_string(sets) +
-                " sets, which can be read; a camera that keeps running would be right");
+                " sets, which can be read; check that the camera keeps running");
   if (sets == 0)
     throw Error(options.out +
-                ": no set was recorded; cameras that run, and files longer than the background, "
-                "would be right");
+                ": no set was recorded; expected running cameras, or files longer than the background");
 }
 
 }  // namespace

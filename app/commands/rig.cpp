@@ -47,7 +47,7 @@ void moveWorkspace(const RigOptions& options, ParsedRig& reading) {
   }
   const std::optional<Vec3> meet = axesIntersection(reading.rig);
   if (!meet)
-    throw Error(reading.where + ": the cameras' axes do not meet before them; --center X,Y,Z would be right");
+    throw Error(reading.where + ": the cameras' axes do not intersect in front of them; use --center X,Y,Z");
   reading.rig.workspace.center = *meet;
 }
 
@@ -71,7 +71,7 @@ std::filesystem::path recordingsOf(const ConvertOptions& options) {
 void runConvert(const ConvertOptions& options) {
   const RigFormat form = *rigFormatNamed(options.to);
   if (form == RigFormat::kEasyMocap && std::filesystem::path(options.out).has_extension())
-    throw Error("--out " + options.out + ": EasyMocap's rig is two files; a folder's name would be right",
+    throw Error("--out " + options.out + ": EasyMocap's rig is two files; expected the name of a folder",
                 Fault::kUsage);
   ParsedRig reading = readTheRig(options);
   Rig rig = reading.validRig();

@@ -100,7 +100,7 @@ Json figures(const std::vector<StreamStatus>& all) {
 
 void runServe(const ServeOptions& options) {
   if (!options.cameras.given())
-    throw Error("no cameras given: --camera NAME=SOURCE, once per camera, would be right", Fault::kUsage);
+    throw Error("no cameras given; add --camera NAME=SOURCE once per camera", Fault::kUsage);
   if (!(options.seconds >= 0)) throw Error("--seconds must be above 0", Fault::kUsage);
   const std::vector<NamedSource> sources = options.cameras.sources();
   Progress progress("serving", 1, false);

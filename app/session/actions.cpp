@@ -31,9 +31,8 @@ class Line {
  public:
   Line(const std::string& where, std::string_view text) : where_(where), words_(std::string(text)) {}
 
-  [[noreturn]] void fail(const std::string& right) const {
-    throw Error(where_ + ": " + right + " would be right");
-  }
+  [[noreturn]] void fail(const std::string& expected) const { reject("expected " + expected); }
+  [[noreturn]] void reject(const std::string& message) const { throw Error(where_ + ": " + message); }
   /// Empty after the last field.
   std::string word() {
     std::string word;
@@ -46,28 +45,28 @@ class Line {
     std::getline(words_ >> std::ws, text);
     return text;
   }
-  double number(const std::string& right) {
+  double number(const std::string& expected) {
     const std::optional<double> value = parseNumber(word());
-    if (!value) fail(right);
+    if (!value) fail(expected);
     return *value;
   }
-  int whole(int low, int high, const std::string& right) {
-    const double value = number(right);
-    if (value < low || value > high || value != static_cast<int>(value)) fail(right);
+  int whole(int low, int high, const std::string& expected) {
+    const double value = number(expected);
+    if (value < low || value > high || value != static_cast<int>(value)) fail(expected);
     return static_cast<int>(value);
   }
   template <std::size_t n>
-  int oneOf(const char* const (&words)[n], const std::string& right) {
+  int oneOf(const char* const (&words)[n], const std::string& expected) {
     const std::string found = word();
     for (std::size_t i = 0; i < n; ++i)
       if (found == words[i]) return static_cast<int>(i);
-    fail(right);
+    fail(expected);
   }
   /// A file in the same folder: a name without a path.
   std::string fileBeside() {
     const std::string name = word();
     if (name.empty() || name.find('/') != std::string::npos || name.starts_with("."))
-      fail("the name of a file beside it");
+      fail("the name of a file in the same folder");
     return name;
   }
   void end() {
@@ -82,7 +81,7 @@ class Line {
 Symmetry readSymmetry(Line& line) {
   Symmetry symmetry;
   for (const char axis : line.word()) {
-    if (axis != '-' && axis != 'x' && axis != 'y' && axis != 'z') line.fail("a symmetry, x, y, z or -,");
+    if (axis != '-' && axis != 'x' && axis != 'y' && axis != 'z') line.fail("a symmetry: x, y, z or -");
     symmetry.x |= axis == 'x';
     symmetry.y |= axis == 'y';
     symmetry.z |= axis == 'z';
@@ -99,7 +98,7 @@ std::vector<HandPose> readHands(Line& line) {
     HandPose& pose = hands.emplace_back();
     for (int i = 0; i < 12; ++i, word = line.word()) {
       const std::optional<double> value = parseNumber(word);
-      if (!value) line.fail("12 numbers for the hand, or `nobody`,");
+      if (!value) line.fail("12 numbers for the hand, or `nobody`");
       pose.world_from_hand.matrix()(i / 4, i % 4) = *value;
     }
     if (word == "joints") {
@@ -109,7 +108,7 @@ std::vector<HandPose> readHands(Line& line) {
       word = line.word();
     }
   } while (word == "and" && hands.size() < kMaxHands);
-  if (!word.empty()) line.fail("`joints`, `and` and a second hand, or nothing more,");
+  if (!word.empty()) line.fail("`joints`, `and` and a second hand, or nothing more");
   return hands;
 }
 
@@ -119,7 +118,7 @@ ToolChoice readTool(Line& line) {
   try {
     return parseTool(text);
   } catch (const Error& error) {
-    line.fail(std::string(error.what()) + ", that");
+    line.reject(error.what());
   }
 }
 
@@ -136,7 +135,7 @@ ReplayFrame readFrame(Line& line, bool by_mouse) {
   if (more == "without")
     frame.missing_cameras = static_cast<std::uint32_t>(line.number("the missing cameras' bits"));
   else if (!more.empty())
-    line.fail("`without` and bits, or nothing more,");
+    line.fail("`without` and bits, or nothing more");
   line.end();
   return frame;
 }
@@ -176,7 +175,7 @@ class ActionsReader {
       at = end + 1;
     }
     if (number_ == 0)
-      throw Error(file_ + ": it is empty; `airclay-actions 1` in the first line would be right");
+      throw Error(file_ + ": it is empty; expected `airclay-actions 1` in the first line");
   }
 
   Actions actions;
@@ -208,7 +207,7 @@ class ActionsReader {
     if (word != "airclay-actions") line.fail("`airclay-actions 1` in the first line");
     if (line.number("the format's number") > kFormat)
       throw Error(where_ +
-                  ": these actions were recorded by a newer Airclay, which would be right to replay them");
+                  ": these actions were recorded by a newer Airclay; use that version to replay them");
   }
 
   bool takeHead(const std::string& word, Line& line) {

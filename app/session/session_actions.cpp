@@ -273,8 +273,7 @@ void Session::beginRecording(const std::filesystem::path& folder) {
   const bool learns = source && !source->hasBackground() && !source->hasSilhouettes();
   if (learns && learned_frames_ > static_cast<int>(learned_.size()))
     throw Error("the empty workspace was learned from " + std::to_string(learned_frames_) +
-                " frames, more than are kept for a recording that begins later; --record, from the start, "
-                "would be right");
+                " frames, more than are kept for a recording that starts later; use --record from the start");
   if (turning_) perform({.kind = Action::Kind::kTurn, .angle_rad = 0, .last = true});
   endStroke();
   const ActionsHeader head{learns ? source->backgroundFrames() : 0, options_.voxels, options_.hand_name,

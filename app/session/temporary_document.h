@@ -21,7 +21,7 @@ class TemporaryDocument {
     std::string folder = (std::filesystem::temp_directory_path() / "airclay-XXXXXX").string();
     if (!::mkdtemp(folder.data()))
       throw Error(folder + ": cannot create a temporary folder: " + std::strerror(errno) +
-                  "; a writable folder in TMPDIR would be right");
+                  "; set TMPDIR to a writable folder");
     folder_ = folder;
     file_ = folder_ / name;
   }

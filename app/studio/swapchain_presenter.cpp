@@ -21,7 +21,7 @@ void checkSurface(Gpu& gpu, VkSurfaceKHR surface, VkFormat format) {
                                       [&](const VkSurfaceFormatKHR& f) { return f.format == format; });
   if (!has_format)
     throw Error("the device " + gpu.info().name +
-                    " cannot show images on this display; --headless, or another --device, would be right",
+                    " cannot show images on this display; use --headless or another --device",
                 Fault::kDevice);
 }
 

@@ -20,8 +20,8 @@ constexpr double kMaxSquareM = 2;
 
 void checkLength(const std::string& option, double length_m) {
   if (std::isfinite(length_m) && length_m > 0 && length_m <= kMaxSquareM) return;
-  refuse(option + " " + inMillimetres(length_m) + ": more than 0 and at most " + inMillimetres(kMaxSquareM) +
-         " millimetres would be right");
+  refuse(option + " " + inMillimetres(length_m) + ": expected more than 0 and at most " +
+         inMillimetres(kMaxSquareM) + " millimetres");
 }
 
 }  // namespace
@@ -48,19 +48,17 @@ void checkBoard(const Board& board) {
   // more.
   const int at_least = board.chessboard ? 4 : 3;
   if (fewest < at_least || most > kMaxSquares)
-    refuse(squares + std::to_string(at_least) + " to " + std::to_string(kMaxSquares) +
-           " squares along either side would be right");
+    refuse(squares + "expected " + std::to_string(at_least) + " to " + std::to_string(kMaxSquares) +
+           " squares along each side");
   checkLength("--square-mm", board.square_m);
   if (board.chessboard && board.two_sided)
     refuse(
-        "--two-sided: a chessboard's back cannot be told from its front; a board with markers would be "
-        "right");
+        "--two-sided: a chessboard's back cannot be distinguished from its front; use a board with markers");
   if (board.chessboard) return;
   checkLength("--marker-mm", board.marker_m);
   if (board.marker_m >= board.square_m)
     refuse("--marker-mm " + inMillimetres(board.marker_m) + ": a marker must be smaller than its square of " +
-           inMillimetres(board.square_m) + " mm; about " + inMillimetres(0.75 * board.square_m) +
-           " would be right");
+           inMillimetres(board.square_m) + " mm; expected about " + inMillimetres(0.75 * board.square_m));
   const std::optional<ArucoDictionary> dictionary = arucoDictionary(board.dictionary);
   if (!dictionary)
     refuse("--dictionary " + board.dictionary +
@@ -70,7 +68,7 @@ void checkBoard(const Board& board) {
   if (required > dictionary->markers)
     refuse(squares + "they take " + std::to_string(required) + " markers, and --dictionary " +
            board.dictionary + " has " + std::to_string(dictionary->markers) +
-           "; fewer squares or a larger dictionary would be right");
+           "; use fewer squares or a larger dictionary");
 }
 
 std::string inMillimetres(double length_m) {

@@ -115,7 +115,7 @@ std::string withResolution(std::string png, std::uint32_t pixels_per_m) {
 void writeBoardPdf(const std::filesystem::path& file, const BoardSheet& sheet) {
   if (std::max(sheet.width_m, sheet.height_m) > kMostPdfM)
     throw Error(file.string() + ": a page of " + number(sheet.width_m) + " x " + number(sheet.height_m) +
-                " m is larger than a PDF can be; a board of at most 5 m would be right");
+                " m is larger than a PDF can be; expected a board of at most 5 m");
   const std::string content = contentOf(sheet);
   const std::vector<std::string> objects{
       "<< /Type /Catalog /Pages 2 0 R /ViewerPreferences << /PrintScaling /None >> >>",
@@ -144,8 +144,8 @@ void writeBoardPng(const std::filesystem::path& file, const BoardSheet& sheet, d
                height = std::ceil(sheet.height_m * pixels_per_m);
   if (!(pixels_per_m >= 1 && width * height <= kMostBoardPixels))
     throw Error(file.string() + ": at " + number(dpi) + " dpi the page has " + number(width * height / 1e6) +
-                    " million pixels; at most " + number(kMostBoardPixels / 1e6) +
-                    " would be right: a smaller --dpi, or a .pdf",
+                    " million pixels; expected at most " + number(kMostBoardPixels / 1e6) +
+                    ": use a smaller --dpi, or a .pdf",
                 Fault::kUsage);
   cv::Mat1f blackness(static_cast<int>(height), static_cast<int>(width), 0.0f);
   paint(sheet.board, pixels_per_m, blackness);

@@ -51,9 +51,8 @@ bool fits(const Board& board, Page page) {
   if (right.empty()) right = "fit";
   const double square_m = largestSquare(board.squares_x, board.squares_y, page);
   throw Error("--page " + nameOf(page) + ": a board of " + inMillimetres(board.widthM()) + " x " +
-                  inMillimetres(board.heightM()) + " mm does not fit it; --page " + right +
-                  (square_m > 0 ? ", or --square-mm " + inMillimetres(square_m) + " at most," : "") +
-                  " would be right",
+                  inMillimetres(board.heightM()) + " mm does not fit; use --page " + right +
+                  (square_m > 0 ? ", or --square-mm " + inMillimetres(square_m) + " at most" : ""),
               Fault::kUsage);
 }
 
