@@ -199,7 +199,7 @@ class ActionsReader {
     } else if (const std::optional<Action> action = readAction(word, line)) {
       actions.after.push_back(*action);
     } else {
-      throw Error(where_ + ": '" + printable(word) + "' is no action");
+      throw Error(where_ + ": '" + printable(word) + "' is not an action");
     }
   }
 
