@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where in a camera's image a board has been seen.
+// The parts of a camera's image in which a board has been seen.
 #pragma once
 
 #include <string>
@@ -10,12 +10,12 @@
 
 namespace airclay {
 
-/// The cells of an image, an eighth of its width across and square, in which a corner was seen.
+/// A grid of square cells, each an eighth of the image's width, that marks where corners were seen.
 class BoardCoverage {
  public:
   static constexpr int kColumns = 8;
 
-  /// \pre size is that of an image
+  /// \pre size is positive
   explicit BoardCoverage(ImageSize size);
 
   void add(const Vec2& pixel);
@@ -24,8 +24,9 @@ class BoardCoverage {
   bool covered(int column, int row) const {
     return cells_[static_cast<std::size_t>(row * kColumns + column)];
   }
+  /// The fraction of covered cells.
   double share() const;
-  /// The sides of the image, two cells deep, of which less than a third is covered: "left, top".
+  /// The sides of the image, two cells wide, that are less than a third covered: "left, top".
   std::string emptySides() const;
 
  private:

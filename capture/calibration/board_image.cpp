@@ -142,9 +142,9 @@ void writeBoardPng(const std::filesystem::path& file, const BoardSheet& sheet, d
   const double pixels_per_m = std::round(dpi / 0.0254);  // pHYs counts in whole ones
   const double width = std::ceil(sheet.width_m * pixels_per_m),
                height = std::ceil(sheet.height_m * pixels_per_m);
-  if (!(pixels_per_m >= 1 && width * height <= kMostBoardPixels))
+  if (!(pixels_per_m >= 1 && width * height <= kMaxBoardPixels))
     throw Error(file.string() + ": at " + number(dpi) + " dpi the page has " + number(width * height / 1e6) +
-                    " million pixels; expected at most " + number(kMostBoardPixels / 1e6) +
+                    " million pixels; expected at most " + number(kMaxBoardPixels / 1e6) +
                     ": use a smaller --dpi, or a .pdf",
                 Fault::kUsage);
   cv::Mat1f blackness(static_cast<int>(height), static_cast<int>(width), 0.0f);

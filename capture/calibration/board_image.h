@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Calibration boards to be printed, true to scale: as a PDF of exact edges, or as a PNG.
+// Printable calibration boards, true to scale: PDF or PNG.
 #pragma once
 
 #include <filesystem>
@@ -13,40 +13,40 @@ namespace airclay {
 /// Paper: A4, A3, US letter, or as large as the board.
 enum class Page { kA4, kA3, kLetter, kFit };
 
-/// By the words of --page: a4, a3, letter, fit.
+/// The value of --page: a4, a3, letter, fit.
 std::string nameOf(Page page);
 
-/// A page with a board on it, and below the board a line of 100 mm and what was printed. Metres, from the
-/// page's upper left corner, y down; lengths stand as they will on paper.
+/// A page with a board, and below it a ruler of 100 mm and a description. Metres on paper, from the page's
+/// upper left corner, y down.
 struct BoardSheet {
   Page page = Page::kA4;
-  double width_m = 0, height_m = 0;  ///< of the page, on its side where that suits the board
+  double width_m = 0, height_m = 0;  ///< of the page; landscape if that suits the board
   std::vector<BoardRectangle> board;
   std::vector<BoardRectangle> ruler;
-  Vec2 ruler_begin_m = Vec2::Zero(), ruler_end_m = Vec2::Zero();  ///< 100 mm from each other
-  std::vector<std::string> lines;                                 ///< of text
-  Vec2 text_m = Vec2::Zero();                                     ///< where the first line's letters stand
+  Vec2 ruler_begin_m = Vec2::Zero(), ruler_end_m = Vec2::Zero();  ///< 100 mm apart
+  std::vector<std::string> lines;                                 ///< the description
+  Vec2 text_m = Vec2::Zero();                                     ///< start of the first line's baseline
 };
 
-/// Letters' height and the way from line to line, metres.
+/// Font size and line spacing, metres.
 inline constexpr double kTextSizeM = 0.0026, kTextLineM = 0.0032;
 
-/// \throw Error as checkBoard(); or (Fault::kUsage) when the board does not fit the page: says which page, or
-/// which --square-mm, would be right.
+/// \throw Error as checkBoard(); with Fault::kUsage if the board does not fit the page: names a page or a
+/// --square-mm that fits.
 BoardSheet layOut(const Board& board, Page page);
 
-/// The largest squares, in metres, that a board of that many would have on the page; 0 where none fit.
+/// The largest square size, in metres, with which such a board fits the page; 0 if none does.
 double largestSquare(int squares_x, int squares_y, Page page);
 
-/// One page of filled paths; what reads PDF files is told not to scale it in print. The file appears whole or
-/// not at all. \throw Error when it cannot be written or the page is larger than a PDF can be.
+/// Writes one page of filled paths that viewers print without scaling, atomically.
+/// \throw Error if the file cannot be written, or the page exceeds PDF's maximum.
 void writeBoardPdf(const std::filesystem::path& file, const BoardSheet& sheet);
 
-/// Grey, its resolution said in the file. An edge that falls inside a pixel makes it grey by its share.
-/// \throw Error when it cannot be written, or has more pixels than kMostBoardPixels.
+/// Writes a grey image with antialiased edges; the file states the resolution.
+/// \throw Error if the file cannot be written, or has more than kMaxBoardPixels pixels.
 void writeBoardPng(const std::filesystem::path& file, const BoardSheet& sheet, double dpi);
 
-/// A2 at 600 dpi is as much.
-inline constexpr double kMostBoardPixels = 140e6;
+/// A2 at 600 dpi.
+inline constexpr double kMaxBoardPixels = 140e6;
 
 }  // namespace airclay

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What is black on a board: squares, and in a ChArUco board's white ones the markers of OpenCV's
-// dictionaries.
+// A board's pattern: black squares, and on ChArUco boards, markers of OpenCV's dictionaries in the white
+// ones.
 #pragma once
 
 #include <cstdint>
@@ -10,10 +10,10 @@
 
 namespace airclay {
 
-/// In the board's frame, metres.
+/// Metres in the board's frame.
 struct BoardRectangle {
   double left, top, right, bottom;
-  bool black;  ///< else white
+  bool black;  ///< otherwise white
 };
 
 class BoardPattern {
@@ -22,10 +22,10 @@ class BoardPattern {
   explicit BoardPattern(const Board& board);
 
   const Board& board() const { return board_; }
-  /// Cells along a marker's edge, its border of one cell included; 0 without markers.
+  /// Cells along a marker's edge, including its border of one cell; 0 without markers.
   int markerCells() const { return cells_; }
   int markerCount() const { return board_.chessboard ? 0 : board_.squares_x * board_.squares_y / 2; }
-  /// The number of the marker in a square; none in a black one. \pre the board has that square
+  /// The ID of the marker in a square; empty for a black square. \pre the square is on the board
   std::optional<int> markerIn(int column, int row) const;
   /// The upper left corner of a marker. \pre 0 <= id < markerCount()
   Vec2 markerCorner(int id) const;
@@ -33,8 +33,8 @@ class BoardPattern {
   /// Whether the board is black at a point of its plane; white beyond its edges.
   bool isBlack(const Vec2& point_m) const;
 
-  /// The same, to be painted one over the other, on white. No two of one colour overlap but where another
-  /// stands between them.
+  /// The pattern as rectangles, to be painted in order on white. Rectangles of one colour overlap only where
+  /// one of the other colour is painted between them.
   std::vector<BoardRectangle> rectangles() const;
 
  private:

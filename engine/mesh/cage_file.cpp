@@ -17,7 +17,7 @@ namespace {
 constexpr double kMaxCoordinateM = 1e6;  // beyond 1,000 km a file is damaged; it also keeps products finite
 // A cage for a workspace of 0.6 m: three times as large, or a hundredth.
 constexpr double kLargestPlausibleM = 2, kSmallestPlausibleM = 0.005;
-constexpr double kUsualM = 0.2;  // the presets'
+constexpr double kUsualM = 0.2;  // as the presets
 
 struct NamedUnit {
   LengthUnit unit;
@@ -36,9 +36,8 @@ const NamedUnit& named(LengthUnit unit) {
 [[noreturn]] void failExtension(const std::filesystem::path& file) {
   std::string list;
   for (const std::string& extension : cageExtensions())
-    list += (list.empty() ? "" : extension == cageExtensions().back() ? " and " : ", ") + extension;
-  throw Error(file.string() + ": not a file of a control cage by its extension; " + list + " are read",
-              Fault::kUsage);
+    list += (list.empty() ? "" : extension == cageExtensions().back() ? " or " : ", ") + extension;
+  throw Error(file.string() + ": not a cage file by its extension; expected " + list, Fault::kUsage);
 }
 
 MeshSource parse(const std::filesystem::path& file, const std::string& extension) {
@@ -58,7 +57,7 @@ std::string metresText(double metres) {
   return text;
 }
 
-/// The unit that makes `size` numbers closest to a usual cage.
+/// The unit in which `size` is closest to a typical cage's.
 const NamedUnit* fittingUnit(double size) {
   const NamedUnit* best = nullptr;
   for (const NamedUnit& unit : kUnits) {
@@ -67,7 +66,7 @@ const NamedUnit* fittingUnit(double size) {
     const auto distance = [&](const NamedUnit& one) {
       return std::abs(std::log(size * one.metres / kUsualM));
     };
-    // Inches are rare: only where no other unit fits.
+    // Inches are rare: only if no other unit fits.
     if (!best || (unit.unit != LengthUnit::kInch && distance(unit) < distance(*best))) best = &unit;
   }
   return best;
@@ -95,7 +94,7 @@ void hintAtTriangles(CageReading& reading) {
                           "quads in a modelling program");
 }
 
-/// Into metres and z up.
+/// Converts to metres and z up.
 void transform(PolygonMesh& cage, double metres_per_unit, UpAxis up) {
   for (Vec3& point : cage.points) {
     point *= metres_per_unit;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Control cages in the files that people have: OBJ, PLY, STL and glTF, repaired where the meaning is certain.
+// Reads control cages from OBJ, PLY, STL and glTF files, with unambiguous repairs.
 #pragma once
 
 #include <filesystem>
@@ -15,15 +15,15 @@ namespace airclay {
 enum class LengthUnit { kMetre, kCentimetre, kMillimetre, kInch };
 enum class UpAxis { kZ, kY };
 
-/// m, cm, mm or in; empty for any other text.
+/// Parses m, cm, mm or in; empty for any other text.
 std::optional<LengthUnit> lengthUnitNamed(std::string_view name);
 
 struct CageReadOptions {
-  /// Of the file's numbers. Empty: metres; for STL millimetres, which slicers assume.
+  /// The unit of the file's coordinates. Empty: metres; for STL millimetres, as in slicers.
   std::optional<LengthUnit> units;
-  /// Empty: z; for glTF y, which its specification demands.
+  /// Empty: z; for glTF y, as its specification requires.
   std::optional<UpAxis> up;
-  /// What a hint about the size names before the unit.
+  /// The option that hints about the size recommend.
   std::string units_option = "--units";
 };
 
@@ -32,14 +32,14 @@ const std::vector<std::string>& cageExtensions();
 /// Whether the file has one of these extensions, in any case.
 bool isCageFile(const std::filesystem::path& file);
 
-/// A cage, and what was found and repaired on the way.
+/// A cage, with its repairs and problems.
 struct CageReading {
   PolygonMesh cage;                   ///< metres, z up; an orientable 2-manifold unless there are problems
-  std::string format;                 ///< for people: "PLY, binary little endian"
+  std::string format;                 ///< for display: "PLY, binary little endian"
   std::vector<std::string> repairs;   ///< one line per kind of repair, with its count
-  std::vector<std::string> hints;     ///< what is read, but is probably not meant
+  std::vector<std::string> hints;     ///< valid, but probably not intended
   std::vector<std::string> problems;  ///< why the file is not a cage; each names up to ten places
-  bool is_closed = false;             ///< no edge has one face only
+  bool is_closed = false;             ///< every edge has two faces
 
   /// Repairs, then hints.
   std::vector<std::string> notes() const;
@@ -48,15 +48,16 @@ struct CageReading {
 /// Reads and repairs a cage:
 /// - loose vertices and edges are dropped;
 /// - vertices within 1e-6 of the size of the bounding box are welded;
-/// - a corner that follows itself in a face is removed;
-/// - faces are turned over so that neighbours agree; closed parts face outwards by their signed volume, open
-///   parts as most of their faces do.
+/// - corners that repeat the previous one are removed;
+/// - faces are flipped so that neighbours agree; closed parts face outwards by their signed volume, open
+/// parts
+///   as most of their faces do.
 /// Problems: edges of more than two faces, vertices where fans of faces touch, duplicate faces, faces without
-/// area, one-sided surfaces.
+/// area, non-orientable surfaces.
 /// \throw Error naming the line or byte if the file cannot be parsed
 CageReading inspectCage(const std::filesystem::path& file, const CageReadOptions& options = {});
 
-/// The same. \throw Error also for problems
+/// Like inspectCage(). \throw Error also for problems
 CageReading readCage(const std::filesystem::path& file, const CageReadOptions& options = {});
 
 }  // namespace airclay

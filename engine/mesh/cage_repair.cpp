@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Welding over a grid of cells, winding by a union-find with parity over the faces, fans of faces by one over
-// their corners.
+// Welds on a grid of cells, orients faces by a union-find with parity, and finds fans of faces by a
+// union-find over their corners.
 #include "engine/mesh/cage_repair.h"
 
 #include <algorithm>
@@ -32,10 +32,10 @@ std::string text(const Vec3& point) {
   return line;
 }
 
-/// One kind of problem and the first places that have it.
+/// One kind of problem and the first places where it occurs.
 class Problem {
  public:
-  /// Called only while the place will be listed.
+  /// `place` is called only if its text will be listed.
   template <typename Place>
   void add(Place place) {
     if (count_++ < kListedPlaces) places_.push_back(place());
@@ -69,14 +69,14 @@ class ParitySets {
     bool opposite = false;
     while (parent_[std::size_t(member)] != member) {
       const std::size_t at = std::size_t(member), up = std::size_t(parent_[at]);
-      opposite_[at] = opposite_[at] != opposite_[up];  // of a root: false
+      opposite_[at] = opposite_[at] != opposite_[up];  // false for a root
       parent_[at] = parent_[up];
       opposite = opposite != opposite_[at];
       member = parent_[at];
     }
     return {member, opposite};
   }
-  /// False if they are known to relate the other way.
+  /// False if the opposite relation is already known.
   bool join(int a, int b, bool opposite = false) {
     const Root of_a = find(a), of_b = find(b);
     if (of_a.index == of_b.index) return (of_a.opposite != of_b.opposite) == opposite;
@@ -89,10 +89,10 @@ class ParitySets {
 
  private:
   std::vector<int> parent_;
-  std::vector<bool> opposite_;  ///< to the parent
+  std::vector<bool> opposite_;  ///< relative to the parent
 };
 
-/// A side of a face, by its two points.
+/// A face's directed edge.
 struct Side {
   int low, high;  ///< the points, low < high
   int face;
@@ -107,11 +107,11 @@ bool operator<(const Side& a, const Side& b) {
   return a.high != b.high ? a.high < b.high : a.face < b.face;
 }
 
-/// Faces that are joined by edges.
+/// Faces connected by edges.
 struct Part {
   std::size_t faces = 0, opposite_faces = 0;  ///< opposite to the part's first face
   bool is_closed = true, is_one_sided = false;
-  double volume = 0;  ///< six times, as the first face is wound
+  double volume = 0;  ///< six times the signed volume, by the first face's winding
   Eigen::AlignedBox3d box;
 };
 
@@ -149,7 +149,7 @@ class CageRepair {
     return box;
   }
 
-  /// Replaces each point p by the point `target[p]`, and removes those that are not their own target.
+  /// Replaces each point p by `target[p]`; removes points that are not their own target.
   void mergePoints(const std::vector<int>& target) {
     std::vector<int> place(points_.size());
     std::size_t count = 0;
@@ -176,11 +176,11 @@ class CageRepair {
                                " without a face");
   }
 
-  /// Every point joins the first one within the tolerance.
+  /// Merges every point into the first one within the tolerance.
   void weld() {
     const Eigen::AlignedBox3d box = bounds();
     tolerance_ = kWeldFraction * box.sizes().maxCoeff();
-    // Cells far larger than the tolerance: most points look into one cell alone.
+    // Cells are far larger than the tolerance, so that most points search only one.
     const double cell = tolerance_ > 0 ? 16 * tolerance_ : 1;
     const auto cellOf = [&](double from_corner) { return std::int64_t(std::floor(from_corner / cell)); };
     const auto key = [](std::int64_t x, std::int64_t y, std::int64_t z) {

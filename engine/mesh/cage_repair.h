@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Makes a control cage of a mesh from a file.
+// Repairs a file's mesh into a control cage.
 #pragma once
 
 #include "engine/mesh/cage_file.h"
@@ -7,8 +7,8 @@
 
 namespace airclay {
 
-/// Repairs `source`, and looks for what cannot be repaired. The cage is in the units and axes of the file;
-/// its format and hints are left empty.
+/// Repairs `source` and reports what cannot be repaired. The cage has the file's units and axes; its format
+/// and hints remain empty.
 CageReading repairCage(MeshSource source);
 
 }  // namespace airclay

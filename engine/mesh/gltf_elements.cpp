@@ -28,10 +28,10 @@ GltfElements::GltfElements(const tinygltf::Model& model, int accessor, int type,
   const auto fail = [&](const char* what) { throw Error(where + ": " + what); };
   if (accessor < 0 || std::size_t(accessor) >= model.accessors.size()) fail("no such accessor");
   const tinygltf::Accessor& source = model.accessors[std::size_t(accessor)];
-  if (source.sparse.isSparse) fail("a sparse accessor; export without sparse data");
+  if (source.sparse.isSparse) fail("sparse accessors are not supported; export without sparse data");
   if (source.type != type) fail("an accessor of the wrong type");
   if (source.bufferView < 0 || std::size_t(source.bufferView) >= model.bufferViews.size())
-    fail("no plain data; export without compression");
+    fail("compressed data is not supported; export without compression");
   const tinygltf::BufferView& view = model.bufferViews[std::size_t(source.bufferView)];
   if (view.buffer < 0 || std::size_t(view.buffer) >= model.buffers.size()) fail("no such buffer");
   const std::vector<unsigned char>& data = model.buffers[std::size_t(view.buffer)].data;
@@ -49,7 +49,7 @@ GltfElements::GltfElements(const tinygltf::Model& model, int accessor, int type,
   if (!view_fits || size_ == 0 || source.byteOffset > view.byteLength ||
       element_bytes > view.byteLength - source.byteOffset || stride_ < element_bytes ||
       size_ - 1 > (view.byteLength - source.byteOffset - element_bytes) / stride_)
-    fail("the accessor reaches past its buffer, or is empty");
+    fail("the accessor exceeds its buffer, or is empty");
   first_ = data.data() + view.byteOffset + source.byteOffset;
 }
 

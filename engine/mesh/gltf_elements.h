@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Accessors of a glTF model, checked. Numbers in brackets refer to the glTF 2.0 specification.
+// Checked access to a glTF model's accessors. Numbers in brackets refer to the glTF 2.0 specification.
 #pragma once
 
 #include <cstddef>
@@ -12,11 +12,10 @@ class Model;
 
 namespace airclay {
 
-/// Elements of an accessor as numbers; every range is checked at construction [3.6.2]. The model must outlive
-/// it.
+/// An accessor's elements as numbers; the constructor checks all ranges [3.6.2]. The model must outlive it.
 class GltfElements {
  public:
-  /// `type` is a TINYGLTF_TYPE. \throw Error that begins with `where`
+  /// `type` is a TINYGLTF_TYPE. \throw Error whose message begins with `where`
   GltfElements(const tinygltf::Model& model, int accessor, int type, const std::string& where);
 
   std::size_t size() const { return size_; }

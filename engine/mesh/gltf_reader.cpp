@@ -28,13 +28,13 @@ bool skipImage(tinygltf::Image*, const int, std::string*, std::string*, int, int
   return true;
 }
 
-/// Files next to a .gltf: its buffers.
-struct Neighbours {
+/// File access for tinygltf: the buffers next to a .gltf.
+struct BufferFiles {
   std::filesystem::path folder;  ///< empty for a .glb, which contains its buffers
 
-  /// Only below the folder that tinygltf was given; it also looks in the working directory.
+  /// Only files below the folder of the .gltf; tinygltf also searches the working directory.
   static bool exists(const std::string& name, void* self) {
-    const std::filesystem::path& folder = static_cast<Neighbours*>(self)->folder;
+    const std::filesystem::path& folder = static_cast<BufferFiles*>(self)->folder;
     std::error_code status;
     return !folder.empty() && name.starts_with(folder.string()) &&
            std::filesystem::is_regular_file(name, status);
@@ -65,8 +65,8 @@ struct Neighbours {
   }
 };
 
-/// The deepest level of brackets outside strings.
-int nestingOf(std::string_view json) {
+/// The maximum depth of brackets outside strings.
+int nestingDepth(std::string_view json) {
   int depth = 0, deepest = 0;
   bool in_string = false;
   for (std::size_t i = 0; i < json.size(); ++i) {
@@ -92,7 +92,7 @@ class GltfReader {
       : file_(file), is_binary_(file.bytes.starts_with("glTF")), merger_(mesh_.points) {
     load(folder);
     addScene();
-    if (mesh_.faces.empty()) fail("there is no triangle in its scene");
+    if (mesh_.faces.empty()) fail("no triangles in its scene");
     mesh_.format = is_binary_ ? "glTF, binary" : "glTF, text";
   }
 
@@ -103,7 +103,7 @@ class GltfReader {
 
   void load(const std::filesystem::path& folder) {
     tinygltf::TinyGLTF reader;
-    Neighbours neighbours{is_binary_ ? std::filesystem::path() : folder.empty() ? "." : folder};
+    BufferFiles neighbours{is_binary_ ? std::filesystem::path() : folder.empty() ? "." : folder};
     reader.SetImageLoader(skipImage, nullptr);
     reader.SetFsCallbacks(neighbours.callbacks());
     std::string error, warning;
@@ -130,17 +130,17 @@ class GltfReader {
     }
     if (is_read) return;
     for (char& c : error)
-      if (c < ' ' || c > '~') c = c == '\n' ? ' ' : '?';  // it quotes the file
+      if (c < ' ' || c > '~') c = c == '\n' ? ' ' : '?';  // the message quotes the file
     while (!error.empty() && error.back() == ' ') error.pop_back();
     fail("damaged glTF: " + (error.empty() ? "unreadable" : error.substr(0, 200)));
   }
 
   void checkNesting(std::string_view json) const {
-    if (nestingOf(json) > kMaxNesting)
+    if (nestingDepth(json) > kMaxNesting)
       fail("damaged glTF: its JSON is nested more than " + std::to_string(kMaxNesting) + " levels deep");
   }
 
-  /// The JSON without images, which tinygltf would read from their files.
+  /// The JSON without images, which tinygltf would load.
   std::string withoutImages() const {
     using nlohmann::json;
     json root = json::parse(file_.bytes.begin(), file_.bytes.end());  // throws with line and column
@@ -179,7 +179,7 @@ class GltfReader {
     }
   }
 
-  /// Without a scene: each mesh as it is.
+  /// Without a scene: each mesh untransformed.
   void addAllNodes() {
     for (std::size_t m = 0; m < model_.meshes.size(); ++m) addMesh(int(m), Eigen::Affine3d::Identity());
   }
@@ -187,7 +187,7 @@ class GltfReader {
   static Eigen::Affine3d parentFromNode(const tinygltf::Node& node) {
     Eigen::Affine3d transform = Eigen::Affine3d::Identity();
     if (node.matrix.size() == 16) {
-      transform.matrix() = Eigen::Map<const Eigen::Matrix4d>(node.matrix.data());  // column by column
+      transform.matrix() = Eigen::Map<const Eigen::Matrix4d>(node.matrix.data());  // column-major
       transform.makeAffine();
       return transform;
     }
@@ -214,12 +214,12 @@ class GltfReader {
     if (positions == primitive.attributes.end()) return;  // nothing to draw
     std::vector<int> corners = readPoints(positions->second, scene_from_mesh);
     if (primitive.indices >= 0) corners = readIndices(primitive.indices, corners);
-    if (mode < TINYGLTF_MODE_TRIANGLES) {  // points and lines; the points are loose
+    if (mode < TINYGLTF_MODE_TRIANGLES) {  // points and lines; their points are loose
       if (mode != TINYGLTF_MODE_POINTS)
         mesh_.loose_edges += mode == TINYGLTF_MODE_LINE ? corners.size() / 2 : corners.size() - 1;
       return;
     }
-    const bool mirrored = scene_from_mesh.linear().determinant() < 0;  // clockwise then [3.7.4]
+    const bool mirrored = scene_from_mesh.linear().determinant() < 0;  // then clockwise [3.7.4]
     const auto add = [&](std::size_t a, std::size_t b, std::size_t c) {
       if (mirrored) std::swap(b, c);
       addTriangle({corners[a], corners[b], corners[c]});
@@ -231,7 +231,8 @@ class GltfReader {
     } else if (mode == TINYGLTF_MODE_TRIANGLE_STRIP) {
       for (std::size_t i = 0; i + 2 < corners.size(); ++i) {
         const int a = corners[i], b = corners[i + 1], c = corners[i + 2];
-        if (a != b && b != c && c != a) add(i, i + 1 + i % 2, i + 2 - i % 2);  // others join two strips
+        if (a != b && b != c && c != a)
+          add(i, i + 1 + i % 2, i + 2 - i % 2);  // degenerate ones connect two strips
       }
     } else if (mode == TINYGLTF_MODE_TRIANGLE_FAN) {
       for (std::size_t i = 1; i + 1 < corners.size(); ++i) add(i, i + 1, 0);
@@ -248,10 +249,10 @@ class GltfReader {
     mesh_.faces.emplace_back(corners.begin(), corners.end());
   }
 
-  /// The index of each vertex in the mesh.
+  /// The mesh's index of each vertex.
   std::vector<int> readPoints(int accessor, const Eigen::Affine3d& scene_from_mesh) {
     const GltfElements positions(model_, accessor, TINYGLTF_TYPE_VEC3, file_.name + ": POSITION");
-    vertex_count_ += positions.size();  // of an accessor as often as primitives use it
+    vertex_count_ += positions.size();  // counts an accessor once per use
     if (vertex_count_ > kMaxMeshCorners)
       fail("its primitives have more than " + std::to_string(kMaxMeshCorners) + " vertices");
     std::vector<int> vertices;
@@ -278,7 +279,7 @@ class GltfReader {
     for (std::size_t i = 0; i < indices.size(); ++i) {
       const double index = indices.at(i);
       if (!(index >= 0 && index < double(vertices.size())))
-        fail("index " + exactNumber(index) + " at place " + std::to_string(i) + " of accessor " +
+        fail("index " + exactNumber(index) + " at position " + std::to_string(i) + " of accessor " +
              std::to_string(accessor) + " is out of range; the primitive has " +
              std::to_string(vertices.size()) + " vertices");
       corners.push_back(vertices[std::size_t(index)]);

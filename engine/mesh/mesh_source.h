@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A mesh as a file gives it, before any repair: one parser per format.
+// A mesh as stored in a file, before any repair: one parser per format.
 #pragma once
 
 #include <filesystem>
@@ -25,7 +25,7 @@ struct MeshSource {
   std::vector<std::string> notes;       ///< repairs by the parser, one line each
 };
 
-/// The file's name for messages, and its content.
+/// A file's content, and its name for messages.
 struct MeshFileContent {
   const std::string& name;
   std::string_view bytes;
@@ -37,10 +37,10 @@ enum class RepeatedCorners { kRefuse, kKeep };
 // Each throws Error that names the file and the line or byte. Memory is bounded by the content's size.
 MeshSource parseObj(const MeshFileContent& file, RepeatedCorners repeated);
 MeshSource parsePly(const MeshFileContent& file);
-/// Corners at the same position become one point: STL stores each triangle by itself.
+/// Corners at the same position become one point: STL stores each triangle's corners separately.
 MeshSource parseStl(const MeshFileContent& file);
-/// The meshes of the scene in the scene's coordinates; vertices at the same position become one point, as
-/// glTF splits them at seams. A .gltf may read buffers from `folder`.
+/// The scene's meshes in scene coordinates; vertices at the same position become one point, because glTF
+/// splits them at seams. A .gltf may read buffers from `folder`.
 MeshSource parseGltf(const MeshFileContent& file, const std::filesystem::path& folder);
 
 }  // namespace airclay

@@ -13,11 +13,11 @@
 namespace airclay {
 namespace {
 
-/// Takes tokens off the front of a line.
+/// Splits a line at white space.
 class Tokens {
  public:
   explicit Tokens(std::string_view line) : rest_(line) {}
-  /// Empty at the end of the line.
+  /// The next token; empty at the end of the line.
   std::string_view next() {
     const size_t begin = std::min(rest_.find_first_not_of(kSpace), rest_.size());
     const size_t end = std::min(rest_.find_first_of(kSpace, begin), rest_.size());
@@ -31,8 +31,8 @@ class Tokens {
   std::string_view rest_;
 };
 
-/// Splits a text into lines; a line that ends in a backslash continues on the next. Comments are removed
-/// first, as one may end in the path of a folder.
+/// Splits text into lines; a line that ends in a backslash continues on the next. Comments are removed first,
+/// because they may end in a backslash, for example in a Windows path.
 class ObjLines {
  public:
   explicit ObjLines(std::string_view text) : rest_(text) {
@@ -41,28 +41,28 @@ class ObjLines {
   /// False at the end of the text.
   bool next(std::string_view& line) {
     if (rest_.empty()) return false;
-    number_ = lines_taken_ + 1;
-    line = takeLine();
+    number_ = lines_read_ + 1;
+    line = readLine();
     if (!line.ends_with('\\')) return true;
     joined_.clear();
     while (line.ends_with('\\')) {
       joined_.append(line.substr(0, line.size() - 1)).push_back(' ');
-      line = rest_.empty() ? std::string_view() : takeLine();
+      line = rest_.empty() ? std::string_view() : readLine();
     }
     line = joined_.append(line);
     return true;
   }
-  /// Of the line taken last, counted from 1; of several, the first.
+  /// The number of the last line read, from 1; the first one of a continued line.
   long number() const { return number_; }
-  /// Characters not looked at yet.
-  std::size_t left() const { return rest_.size(); }
+  /// Characters not yet read.
+  std::size_t remaining() const { return rest_.size(); }
 
  private:
-  std::string_view takeLine() {
+  std::string_view readLine() {
     const size_t end = std::min(rest_.find('\n'), rest_.size());
     std::string_view line = rest_.substr(0, end);
     rest_.remove_prefix(std::min(end + 1, rest_.size()));
-    ++lines_taken_;
+    ++lines_read_;
     if (const size_t comment = line.find('#'); comment != std::string_view::npos)
       return line.substr(0, comment);
     if (line.ends_with('\r')) line.remove_suffix(1);
@@ -71,17 +71,17 @@ class ObjLines {
 
   std::string_view rest_;
   std::string joined_;
-  long lines_taken_ = 0, number_ = 0;
+  long lines_read_ = 0, number_ = 0;
 };
 
-/// The `v` and `f` statements of an OBJ; `l` statements are counted.
+/// Reads `v` and `f` statements and counts the edges of `l` statements.
 class ObjReader {
  public:
   ObjReader(const MeshFileContent& file, RepeatedCorners repeated) : file_(file.name), repeated_(repeated) {
     ObjLines lines(file.bytes);
     std::string_view line;
-    for (std::size_t taken = 0; lines.next(line); ++taken) {
-      if (taken % 4096 == 0) reportProgress(1 - double(lines.left()) / double(file.bytes.size()));
+    for (std::size_t line_count = 0; lines.next(line); ++line_count) {
+      if (line_count % 4096 == 0) reportProgress(1 - double(lines.remaining()) / double(file.bytes.size()));
       line_number_ = lines.number();
       Tokens tokens(line);
       const std::string_view keyword = tokens.next();
@@ -89,8 +89,8 @@ class ObjReader {
       if (keyword == "f") readFace(tokens);
       if (keyword == "l") countEdges(tokens);
     }
-    if (mesh_.points.empty()) throw Error(file_ + ": there is no vertex; a cage needs `v x y z` lines");
-    if (mesh_.faces.empty()) throw Error(file_ + ": there is no face; a cage needs `f a b c …` lines");
+    if (mesh_.points.empty()) throw Error(file_ + ": no vertices; expected `v x y z` lines");
+    if (mesh_.faces.empty()) throw Error(file_ + ": no faces; expected `f a b c …` lines");
     checkForwardIndices();
     mesh_.format = "OBJ";
   }
@@ -145,19 +145,19 @@ class ObjReader {
     mesh_.loose_edges += vertices > 0 ? vertices - 1 : 0;
   }
 
-  /// `point`, `point/texture`, `point//normal` or `point/texture/normal`; negative ones count back from here.
+  /// `point`, `point/texture`, `point//normal` or `point/texture/normal`; negative indices count backwards
+  /// from the last vertex read.
   int readCorner(std::string_view token) {
     const std::string_view texture_and_normal = token.substr(std::min(token.find('/'), token.size()));
     const std::string_view digits = token.substr(0, token.size() - texture_and_normal.size());
     long index = 0;
-    const auto [end, fault] = std::from_chars(digits.data(), digits.data() + digits.size(), index);
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), index);
     const bool is_number = !digits.empty() && end == digits.data() + digits.size();
     if (!is_number || texture_and_normal.find_first_not_of("/-0123456789") != std::string_view::npos)
-      fail("'" + printable(token) +
-           "' is not a face corner; a corner is a vertex's number, as in 3 or 3/1/2");
+      fail("'" + printable(token) + "' is not a face corner; expected a vertex index, as in 3 or 3/1/2");
     const long known = long(mesh_.points.size());
     if (index < 0) index += known + 1;
-    if (fault != std::errc() || index < 1 || index > long(kMaxMeshPoints)) failRange(line_number_, digits);
+    if (error != std::errc() || index < 1 || index > long(kMaxMeshPoints)) failRange(line_number_, digits);
     if (index > known) forward_.push_back({int(index - 1), line_number_});
     return int(index - 1);
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// PLY, text and binary (Turk 1994, "The PLY polygon file format"): the elements `vertex` and `face`; edges
-// are counted, other elements and properties skipped.
+// PLY, text and binary (Turk 1994, "The PLY polygon file format"): the elements `vertex` and `face`. Edges
+// are counted; other elements and properties are skipped.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -69,11 +69,13 @@ class Values {
       : file_(file), encoding_(encoding), at_(begin), line_(line) {}
 
   bool isText() const { return encoding_ == Encoding::kText; }
-  std::size_t left() const { return file_.bytes.size() - at_; }
-  /// How many values of the type the rest of the file can contain at most.
-  std::size_t roomFor(Scalar type) const { return isText() ? left() / 2 + 1 : left() / bytesOf(type); }
-  double doneFraction() const { return double(at_) / double(file_.bytes.size()); }
-  /// Of the value read last.
+  std::size_t remaining() const { return file_.bytes.size() - at_; }
+  /// An upper bound on the values of a type in the rest of the file.
+  std::size_t maxCount(Scalar type) const {
+    return isText() ? remaining() / 2 + 1 : remaining() / bytesOf(type);
+  }
+  double progress() const { return double(at_) / double(file_.bytes.size()); }
+  /// The line of the last value read.
   long line() const { return line_; }
 
   [[noreturn]] void fail(const std::string& what) const {
@@ -82,7 +84,7 @@ class Values {
                 what);
   }
 
-  /// Not finite where the text is not a number. \throw Error at the end of the file
+  /// The next value; not finite if the text is not a number. \throw Error at the end of the file
   double next(Scalar type) { return isText() ? nextInText() : nextInBinary(type); }
   void skip(Scalar type) {
     if (isText())
@@ -107,7 +109,7 @@ class Values {
   }
 
   [[noreturn]] void failEnd() const {
-    throw Error(file_.name + ": the file ends before its last element; it is cut off");
+    throw Error(file_.name + ": the file ends before its last element; it is truncated");
   }
 
   std::string_view takeToken() {
@@ -124,7 +126,7 @@ class Values {
 
   std::string_view takeBytes(std::size_t count) {
     value_at_ = at_;
-    if (left() < count) failEnd();
+    if (remaining() < count) failEnd();
     at_ += count;
     return file_.bytes.substr(value_at_, count);
   }
@@ -183,8 +185,8 @@ class PlyReader {
       else
         skipElement(element, values);
     }
-    if (mesh_.points.empty()) throw Error(file_.name + ": there is no vertex; a cage needs `element vertex`");
-    if (mesh_.faces.empty()) throw Error(file_.name + ": there is no face; a cage needs `element face`");
+    if (mesh_.points.empty()) throw Error(file_.name + ": no vertices; expected `element vertex`");
+    if (mesh_.faces.empty()) throw Error(file_.name + ": no faces; expected `element face`");
     mesh_.format = encoding_ == Encoding::kText           ? "PLY, text"
                    : encoding_ == Encoding::kLittleEndian ? "PLY, binary little endian"
                                                           : "PLY, binary big endian";
@@ -199,10 +201,10 @@ class PlyReader {
   }
 
   /// The header's next line.
-  std::string_view takeLine() {
+  std::string_view readLine() {
     ++line_;
     const std::size_t end = file_.bytes.find('\n', header_end_);
-    if (end == std::string_view::npos) failHeader("the header has no end; `end_header` is missing");
+    if (end == std::string_view::npos) failHeader("`end_header` is missing");
     std::string_view line = file_.bytes.substr(header_end_, end - header_end_);
     header_end_ = end + 1;
     if (line.ends_with('\r')) line.remove_suffix(1);
@@ -222,10 +224,10 @@ class PlyReader {
 
   void readHeader() {
     if (!file_.bytes.starts_with("ply")) throw Error(file_.name + ":1: a PLY file begins with `ply`");
-    takeLine();
+    readLine();
     bool has_format = false;
     while (true) {
-      const std::vector<std::string_view> tokens = tokensOf(takeLine());
+      const std::vector<std::string_view> tokens = tokensOf(readLine());
       if (tokens.empty() || tokens[0] == "comment" || tokens[0] == "obj_info") continue;
       if (tokens[0] == "end_header") break;
       if (tokens[0] == "format") {
@@ -253,7 +255,7 @@ class PlyReader {
       encoding_ = Encoding::kBigEndian;
     else
       failHeader("format '" + printable(name) +
-                 "' is unknown; ascii, binary_little_endian and binary_big_endian are read");
+                 "' is unknown; expected ascii, binary_little_endian or binary_big_endian");
   }
 
   void readElement(const std::vector<std::string_view>& tokens) {
@@ -281,21 +283,21 @@ class PlyReader {
 
   Scalar knownScalar(std::string_view name) const {
     const std::optional<Scalar> type = scalarNamed(name);
-    if (!type) failHeader("'" + printable(name) + "' is not a type of PLY, such as float, uchar or int");
+    if (!type) failHeader("'" + printable(name) + "' is not a PLY type; expected float, uchar, int …");
     return *type;
   }
 
-  /// Refuses a count that the rest of the file cannot contain, before any memory is reserved for it.
+  /// Rejects a count that exceeds the rest of the file, before memory is allocated for it.
   void checkRoom(const Element& element, const Values& values) const {
-    std::size_t least = 0;  // bytes of one
+    std::size_t min_bytes = 0;  // bytes of one
     for (const Property& property : element.properties)
-      least += values.isText() ? 2 : bytesOf(property.count_type.value_or(property.type));
-    // The last number in a text needs no space after it.
-    const std::size_t room = values.left() + (values.isText() ? 1 : 0);
-    if (element.count > 0 && least > 0 && element.count > room / least)
-      throw Error(file_.name + ": the header promises " + std::to_string(element.count) + " of element '" +
-                  printable(element.name) + "', but only " + std::to_string(values.left()) +
-                  " bytes follow; the file is cut off or damaged");
+      min_bytes += values.isText() ? 2 : bytesOf(property.count_type.value_or(property.type));
+    // In text, no space needs to follow the last number.
+    const std::size_t room = values.remaining() + (values.isText() ? 1 : 0);
+    if (element.count > 0 && min_bytes > 0 && element.count > room / min_bytes)
+      throw Error(file_.name + ": the header states " + std::to_string(element.count) + " of element '" +
+                  printable(element.name) + "', but only " + std::to_string(values.remaining()) +
+                  " bytes follow; the file is truncated or damaged");
   }
 
   static const Property* findProperty(const Element& element, std::string_view name) {
@@ -307,7 +309,7 @@ class PlyReader {
   static void skip(const Property& property, Values& values) {
     std::size_t count = 1;
     if (property.count_type)
-      count = values.nextIndex(*property.count_type, values.roomFor(property.type), "a list's length");
+      count = values.nextIndex(*property.count_type, values.maxCount(property.type), "a list's length");
     for (std::size_t i = 0; i < count; ++i) values.skip(property.type);
   }
 
@@ -319,7 +321,7 @@ class PlyReader {
   void skipElement(const Element& element, Values& values) {
     if (element.name == "edge") mesh_.loose_edges += element.count;
     if (element.name == "tristrips" && element.count > 0)
-      throw Error(file_.name + ": triangle strips (element tristrips) are not read; export faces");
+      throw Error(file_.name + ": triangle strips (element tristrips) are not supported; export faces");
     if (element.properties.empty()) return;
     for (std::size_t i = 0; i < element.count; ++i) {
       reportRows(i, values);
@@ -328,7 +330,7 @@ class PlyReader {
   }
 
   static void reportRows(std::size_t row, const Values& values) {
-    if (row % 4096 == 0) reportProgress(values.doneFraction());
+    if (row % 4096 == 0) reportProgress(values.progress());
   }
 
   void readVertices(const Element& element, Values& values) {
@@ -385,8 +387,8 @@ class PlyReader {
 
   std::vector<int> readFace(std::size_t index, const Property& corners, Values& values) const {
     const std::string face_text = "face " + std::to_string(index + 1);
-    const std::size_t size =
-        values.nextIndex(*corners.count_type, values.roomFor(corners.type), face_text + ": its corner count");
+    const std::size_t size = values.nextIndex(*corners.count_type, values.maxCount(corners.type),
+                                              face_text + ": its corner count");
     if (size < 3)
       values.fail(face_text + " has " + std::to_string(size) + " corners; a face needs three or more");
     std::vector<int> face;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Points of formats that store one vertex several times.
+// Merges the points of formats that store a vertex several times.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace airclay {
 
-/// Appends points to a list, each position once.
+/// Appends points to a list, each position only once.
 class PointMerger {
  public:
   explicit PointMerger(std::vector<Vec3>& points) : points_(points) {}

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // STL, text and binary (3D Systems 1989, "Stereolithography interface specification"). Normals are ignored:
-// the order of the corners states the outside.
+// the winding defines the outside.
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -16,7 +16,7 @@
 namespace airclay {
 namespace {
 
-constexpr std::size_t kHeaderBytes = 84;    // 80 of free text, and the number of triangles
+constexpr std::size_t kHeaderBytes = 84;    // 80 of free text, then the triangle count
 constexpr std::size_t kTriangleBytes = 50;  // a normal, three corners, two bytes of attributes
 
 char lowerCase(char c) {
@@ -42,7 +42,7 @@ class StlBuilder {
   }
   MeshSource& mesh() { return mesh_; }
   MeshSource take() {
-    if (mesh_.faces.empty()) throw Error(file_.name + ": there is no triangle");
+    if (mesh_.faces.empty()) throw Error(file_.name + ": no triangles");
     return std::move(mesh_);
   }
 
@@ -53,7 +53,7 @@ class StlBuilder {
   std::size_t corner_count_ = 0;
 };
 
-/// One statement a line: facet normal, outer loop, three times vertex, endloop, endfacet.
+/// One statement per line: facet normal, outer loop, three times vertex, endloop, endfacet.
 class TextReader {
  public:
   explicit TextReader(const MeshFileContent& file) : file_(file), rest_(file.bytes), builder_(file) {
@@ -64,7 +64,7 @@ class TextReader {
       if (++line_ % 4096 == 0) reportProgress(1 - double(rest_.size()) / double(file.bytes.size()));
       readLine();
     }
-    if (in_solid_) throw Error(file_.name + ": the file ends without `endsolid`; it is cut off, or damaged");
+    if (in_solid_) throw Error(file_.name + ": the file ends without `endsolid`; it is truncated or damaged");
     builder_.mesh().format = "STL, text";
   }
 
@@ -101,7 +101,7 @@ class TextReader {
       endFace();
     } else if (keyword != "facet" && keyword != "outer" && keyword != "endfacet") {
       fail("'" + printable(token) +
-           "' is not a statement of STL: facet, outer loop, vertex, endloop, endfacet");
+           "' is not an STL statement; expected facet, outer loop, vertex, endloop or endfacet");
     }
   }
 
@@ -157,7 +157,7 @@ MeshSource readBinary(const MeshFileContent& file, std::size_t count) {
   return mesh;
 }
 
-/// Text begins with `solid`, but so do the headers of some binary files.
+/// Text files begin with `solid`, but so do some binary files.
 bool isText(std::string_view bytes) {
   const std::size_t begin = std::min(bytes.find_first_not_of(" \t\r\n"), bytes.size());
   std::string keyword;
@@ -174,11 +174,11 @@ MeshSource parseStl(const MeshFileContent& file) {
   const std::size_t expected = kHeaderBytes + kTriangleBytes * std::size_t(count);
   if (size != expected && isText(file.bytes)) return TextReader(file).take();
   if (size < kHeaderBytes)
-    throw Error(file.name + ": not an STL file: a text begins with `solid`, a binary has 84 bytes or more");
+    throw Error(file.name + ": not an STL file; expected text that begins with `solid`, or 84 bytes or more");
   if (size < expected)
-    throw Error(file.name + ": its header promises " + std::to_string(count) + " triangles, " +
+    throw Error(file.name + ": the header states " + std::to_string(count) + " triangles, " +
                 std::to_string(expected) + " bytes, but the file has " + std::to_string(size) +
-                "; it is cut off, or not an STL file");
+                "; it is truncated, or not an STL file");
   MeshSource mesh = readBinary(file, count);
   if (size > expected)
     mesh.notes.push_back("ignored " + std::to_string(size - expected) + " bytes after the last triangle");

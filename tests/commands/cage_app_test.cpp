@@ -91,9 +91,7 @@ TEST_F(CageApp, RefusesInOneLine) {
   ASSERT_EQ(runAirclay({"new", at("a.clay")}).status, 0);
   const std::vector<std::tuple<std::vector<std::string>, int, std::string>> cases = {
       {{"export", fin, "--out", at("b.obj")}, 1, "more than two faces"},
-      {{"export", put("cage.fbx", "x"), "--out", at("b.obj")},
-       2,
-       ".obj, .ply, .stl, .gltf and .glb are read"},
+      {{"export", put("cage.fbx", "x"), "--out", at("b.obj")}, 2, "expected .obj, .ply, .stl, .gltf or .glb"},
       {{"export", "cube", "--units", "mm", "--out", at("b.obj")}, 2, "cube is a preset"},
       {{"export", at("a.clay"), "--up", "y", "--out", at("b.obj")}, 2, "--up applies to a cage's file"},
       {{"export", fin, "--units", "ft", "--out", at("b.obj")}, 2, "--units"},

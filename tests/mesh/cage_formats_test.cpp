@@ -119,7 +119,7 @@ TEST_F(CageFormats, RefusesPlyWithThePlace) {
   };
   const Case cases[] = {
       {"plx\n", ":1: a PLY file begins"},
-      {"ply\nformat ascii 1.0\n", ":3: the header has no end"},
+      {"ply\nformat ascii 1.0\n", ":3: `end_header` is missing"},
       {replaced(text, "ascii", "xml"), ":2: format 'xml' is unknown"},
       {replaced(text, "format ascii 1.0\n", ""), "no `format` line"},
       {replaced(text, "double x", "real x"), ":8: 'real' is not a type"},
@@ -132,13 +132,13 @@ TEST_F(CageFormats, RefusesPlyWithThePlace) {
        ":29: face 1: vertex index 8 is out of range; expected 0 to 7"},
       {replaced(text, "0 4 0 2 3 1", "0 4 0 2 3 1.5"), ":29: face 1: vertex index 1.5"},
       {replaced(text, "0 4 0 2 3 1", "0 2 0 2"), ":29: face 1 has 2 corners"},
-      {text.substr(0, text.size() - 3), "cut off"},
-      {little.substr(0, little.size() - 9), "it is cut off"},
+      {text.substr(0, text.size() - 3), "truncated"},
+      {little.substr(0, little.size() - 9), "it is truncated"},
       {replaced(little, std::string("\0\x04\0\0\0\0\x02", 7), std::string("\0\x04\x09\0\0\0\x02", 7)),
        ": byte "},
       {"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
        "end_header\n1 2 3\n",
-       "there is no face"},
+       "no faces"},
   };
   for (const Case& bad : cases)
     EXPECT_TRUE(contains(refusal("a.ply", bad.content), bad.expected))
@@ -151,7 +151,7 @@ TEST_F(CageFormats, RefusesCountsThatTheFileCannotContain) {
       "\nproperty float x\nproperty float y\nproperty float z\nelement face 4000000000\n"
       "property list uint uint vertex_indices\nend_header\n";
   EXPECT_TRUE(contains(refusal("a.ply", head + "4000000000" + properties + "1234"),
-                       "the header promises 4000000000 of element 'vertex', but only 4 bytes follow"));
+                       "the header states 4000000000 of element 'vertex', but only 4 bytes follow"));
   const std::string one = head + "1" + properties + std::string(12, '\0');
   EXPECT_TRUE(contains(refusal("a.ply", one), "4000000000 of element 'face'"));
   const std::string long_face = replaced(one, "4000000000", "1") + "\xff\xff\xff\x7f";
@@ -161,7 +161,7 @@ TEST_F(CageFormats, RefusesCountsThatTheFileCannotContain) {
   EXPECT_TRUE(contains(refusal("a.stl", stl), "promises 2130706444 triangles"));
   EXPECT_TRUE(
       contains(refusal("a.gltf", replaced(gltfOf(cubeCage(0.2)), "\"count\":24", "\"count\":4000000000")),
-               "reaches past its buffer"));
+               "exceeds its buffer"));
 }
 
 TEST_F(CageFormats, ReadsFormsOfStl) {
@@ -187,14 +187,14 @@ TEST_F(CageFormats, RefusesStlWithThePlace) {
   const Case cases[] = {
       {"", "the file is empty"},
       {"not an STL file", "not an STL file"},
-      {"solid a\nendsolid a\n", "there is no triangle"},
+      {"solid a\nendsolid a\n", "no triangles"},
       {replaced(text, "vertex 0 0 0", "vertex 0 inf 0"), ":4: coordinate 'inf' is not a finite number"},
       {replaced(text, "vertex 0 0 0", "vertex 0 0"), ":4: a vertex has 2 coordinates"},
       {replaced(text, "outer loop", "inner loop"), ":3: 'inner' is not a statement"},
       {replaced(text, "   vertex 0 0 0\n", ""), ":6: a loop has 2 vertices"},
       {replaced(text, "  endloop\n", ""), ":7: `endloop` is missing"},
-      {text.substr(0, text.find("endfacet", text.size() / 2)), "it is cut off"},
-      {binary.substr(0, 500), "it is cut off"},
+      {text.substr(0, text.find("endfacet", text.size() / 2)), "it is truncated"},
+      {binary.substr(0, 500), "it is truncated"},
       {not_finite, ": byte 96: a coordinate of triangle 1"},
   };
   for (const Case& bad : cases)
@@ -233,7 +233,7 @@ TEST_F(CageFormats, RefusesGltfWithTheReason) {
   const Case cases[] = {
       {"a.gltf", "{", "damaged glTF"},
       {"a.gltf", "[]", "damaged glTF"},
-      {"a.gltf", R"({"asset":{"version":"2.0"}})", "there is no triangle"},
+      {"a.gltf", R"({"asset":{"version":"2.0"}})", "no triangles"},
       {"a.gltf", gltfOf(cube, "none.bin"), "none.bin"},
       {"a.gltf", replaced(text, R"("nodes":[0])", R"("nodes":[7])"), "node 7 does not exist"},
       {"a.gltf", replaced(text, R"("nodes":[0])", R"("nodes":[0,0])"), "node 0 has two parents"},
@@ -257,7 +257,7 @@ TEST_F(CageFormats, RefusesGltfWithTheReason) {
   std::string out_of_range = gltfBuffer(cube);
   out_of_range[12 * 24] = 99;
   folder.write("range.bin", out_of_range);
-  EXPECT_TRUE(contains(refusal("a.gltf", gltfOf(cube, "range.bin")), "index 99 at place 0 of accessor 1"));
+  EXPECT_TRUE(contains(refusal("a.gltf", gltfOf(cube, "range.bin")), "index 99 at position 0 of accessor 1"));
   std::string not_finite = gltfBuffer(cube);
   not_finite.replace(24, 4, "\xff\xff\xff\xff");
   folder.write("nan.bin", not_finite);

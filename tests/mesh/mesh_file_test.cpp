@@ -75,8 +75,8 @@ TEST_F(MeshFile, ErrorsNameFileAndLine) {
     std::string content, place, what;
   };
   const Case cases[] = {
-      {"", "cage.obj:", "no vertex"},
-      {kSquare, "cage.obj:", "no face"},
+      {"", "cage.obj:", "no vertices"},
+      {kSquare, "cage.obj:", "no faces"},
       {kSquare + "f 1 2 3 9\n", "cage.obj:5:", "out of range"},
       {kSquare + "f 1 2 3 -5\n", "cage.obj:5:", "out of range"},
       {kSquare + "f 0 1 2\n", "cage.obj:5:", "out of range"},
