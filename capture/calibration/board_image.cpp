@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The files. PDF: ISO 32000-1, a catalog, a page and its content. PNG: W3C's specification; the resolution is
-// in pHYs, 11.3.5.3.
+// PDF: ISO 32000-1, a catalog, a page and its content. PNG: the W3C specification; the resolution is in pHYs,
+// 11.3.5.3.
 #include "capture/calibration/board_image.h"
 
 #include <cmath>
@@ -15,7 +15,7 @@ namespace airclay {
 namespace {
 
 constexpr double kPointsPerM = 72 / 0.0254;
-// ISO 32000-1, annex C: 14,400 units a side.
+// ISO 32000-1, annex C: 14,400 units per side.
 constexpr double kMostPdfM = 14400 / kPointsPerM;
 
 std::string number(double value) {
@@ -27,7 +27,7 @@ std::string number(double value) {
   return digits == "-0" ? "0" : digits;
 }
 
-/// In millimetres from the page's upper left corner, which the page's matrix makes of PDF's points.
+/// Coordinates are millimetres from the page's upper left corner; the page's matrix converts them to points.
 std::string path(const std::vector<BoardRectangle>& rectangles) {
   std::string text;
   for (const BoardRectangle& r : rectangles)
@@ -38,8 +38,7 @@ std::string path(const std::vector<BoardRectangle>& rectangles) {
 
 std::string contentOf(const BoardSheet& sheet) {
   const double points_per_mm = kPointsPerM / 1000, height = kPointsPerM * sheet.height_m;
-  // The rectangles lie in each other, black in white in black: one path, filled where an odd number of them
-  // lies, has no seams.
+  // The rectangles are nested, black in white in black: a single path with the even-odd rule has no seams.
   std::string text = "q\n" + number(points_per_mm) + " 0 0 " + number(-points_per_mm) + " 0 " +
                      number(height) + " cm\n0 g\n" + path(sheet.board) + "f*\n" + path(sheet.ruler) +
                      "f\nQ\nBT\n/F1 " + number(kPointsPerM * kTextSizeM) + " Tf\n" +
@@ -49,35 +48,36 @@ std::string contentOf(const BoardSheet& sheet) {
   return text + "ET\n";
 }
 
-/// How much of each of the pixels from `first` on lies between two places.
-struct Shares {
+/// The fraction of each pixel from `first` on that an interval covers.
+struct PixelCoverage {
   int first = 0;
-  std::vector<float> of_pixels;
+  std::vector<float> fractions;
 };
 
-Shares sharesBetween(double low, double high, int pixels) {
+PixelCoverage pixelCoverage(double low, double high, int pixels) {
   low = std::clamp(low, 0.0, double(pixels)), high = std::clamp(high, 0.0, double(pixels));
-  Shares shares;
-  shares.first = static_cast<int>(low);
-  for (int i = shares.first; i < high; ++i)
-    shares.of_pixels.push_back(static_cast<float>(std::min(high, i + 1.0) - std::max(low, double(i))));
-  return shares;
+  PixelCoverage coverage;
+  coverage.first = static_cast<int>(low);
+  for (int i = coverage.first; i < high; ++i)
+    coverage.fractions.push_back(static_cast<float>(std::min(high, i + 1.0) - std::max(low, double(i))));
+  return coverage;
 }
 
 void paint(const std::vector<BoardRectangle>& rectangles, double pixels_per_m, cv::Mat1f& blackness) {
   for (const BoardRectangle& r : rectangles) {
-    const Shares columns = sharesBetween(r.left * pixels_per_m, r.right * pixels_per_m, blackness.cols);
-    const Shares rows = sharesBetween(r.top * pixels_per_m, r.bottom * pixels_per_m, blackness.rows);
-    for (std::size_t y = 0; y < rows.of_pixels.size(); ++y) {
+    const PixelCoverage columns =
+        pixelCoverage(r.left * pixels_per_m, r.right * pixels_per_m, blackness.cols);
+    const PixelCoverage rows = pixelCoverage(r.top * pixels_per_m, r.bottom * pixels_per_m, blackness.rows);
+    for (std::size_t y = 0; y < rows.fractions.size(); ++y) {
       float* pixel = blackness.ptr<float>(rows.first + static_cast<int>(y)) + columns.first;
-      const float share = r.black ? rows.of_pixels[y] : -rows.of_pixels[y];
-      for (const float column : columns.of_pixels) *pixel++ += share * column;
+      const float share = r.black ? rows.fractions[y] : -rows.fractions[y];
+      for (const float column : columns.fractions) *pixel++ += share * column;
     }
   }
 }
 
 void write(const BoardSheet& sheet, double pixels_per_m, cv::Mat1b& grey) {
-  // Hershey's letters are 21 units high at scale 1.
+  // Hershey letters are 21 units high at scale 1.
   const double scale = kTextSizeM * 0.72 * pixels_per_m / 21;
   const int thickness = std::max(1, static_cast<int>(std::lround(1.5 * scale)));
   Vec2 at = sheet.text_m * pixels_per_m;
@@ -139,7 +139,7 @@ void writeBoardPdf(const std::filesystem::path& file, const BoardSheet& sheet) {
 }
 
 void writeBoardPng(const std::filesystem::path& file, const BoardSheet& sheet, double dpi) {
-  const double pixels_per_m = std::round(dpi / 0.0254);  // pHYs counts in whole ones
+  const double pixels_per_m = std::round(dpi / 0.0254);  // an integer in pHYs
   const double width = std::ceil(sheet.width_m * pixels_per_m),
                height = std::ceil(sheet.height_m * pixels_per_m);
   if (!(pixels_per_m >= 1 && width * height <= kMaxBoardPixels))

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The layout is that of OpenCV 4.6's aruco::CharucoBoard: the square in the upper left is black, the white
-// ones hold the dictionary's first markers, row by row. tests/calibration/board_test.cpp holds it against
-// OpenCV's own drawing.
+// The layout is that of OpenCV 4.6's aruco::CharucoBoard: the upper left square is black, and the white
+// squares contain the dictionary's first markers, row by row. tests/calibration/board_test.cpp compares it
+// with OpenCV's drawing.
 #include "capture/calibration/board_pattern.h"
 
 #include <opencv2/aruco.hpp>
@@ -22,7 +22,7 @@ BoardPattern::BoardPattern(const Board& board) : board_(board) {
   const cv::Ptr<cv::aruco::Dictionary> markers = cv::aruco::getPredefinedDictionary(dictionary.opencv_number);
   cells_ = markers->markerSize + 2 * kBorderCells;
   for (int id = 0; id < markerCount(); ++id) {
-    cv::Mat drawn;  // a pixel a cell
+    cv::Mat drawn;  // one pixel per cell
     markers->drawMarker(id, cells_, drawn, kBorderCells);
     for (int row = 0; row < cells_; ++row)
       for (int column = 0; column < cells_; ++column)
@@ -32,7 +32,7 @@ BoardPattern::BoardPattern(const Board& board) : board_(board) {
 
 std::optional<int> BoardPattern::markerIn(int column, int row) const {
   if (board_.chessboard || (column + row) % 2 == 0) return std::nullopt;
-  // Before it: whole pairs of rows, perhaps an even row, then those of its own.
+  // Preceded by complete pairs of rows, perhaps an even row, then the markers in its own row.
   return row / 2 * board_.squares_x + (row % 2 ? board_.squares_x / 2 : 0) + column / 2;
 }
 
@@ -61,7 +61,7 @@ bool BoardPattern::isBlack(const Vec2& point_m) const {
 
 std::vector<BoardRectangle> BoardPattern::rectangles() const {
   const double square = board_.square_m, cell = cells_ ? board_.marker_m / cells_ : 0;
-  const bool dark = !board_.inverted;  // what is black on a board that isn't inverted
+  const bool dark = !board_.inverted;  // the colour of black parts, unless inverted
   std::vector<BoardRectangle> painted;
   if (board_.inverted) painted.push_back({0, 0, board_.widthM(), board_.heightM(), true});
   for (int row = 0; row < board_.squares_y; ++row)

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A board's pattern: black squares, and on ChArUco boards, markers of OpenCV's dictionaries in the white
-// ones.
+// A board's pattern: squares, and markers of OpenCV's dictionaries in the white squares of ChArUco boards.
 #pragma once
 
 #include <cstdint>

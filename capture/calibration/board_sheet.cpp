@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where things stand on the page.
+// The page's layout.
 #include <algorithm>
 #include <cmath>
 
@@ -9,13 +9,13 @@
 namespace airclay {
 namespace {
 
-// Most printers leave the outermost 4 to 5 mm of a page white.
+// Most printers cannot print the outermost 4 to 5 mm of a page.
 constexpr double kMarginM = 0.005;
 constexpr double kFitMarginM = 0.010;
 constexpr double kRulerM = 0.1, kTickStepM = 0.01;
 constexpr double kTickM = 0.0025, kLineWidthM = 0.0002;
-constexpr double kGapM = 0.002;  // between board, line and text
-// The line and its text, with the gap above: what stands below a board.
+constexpr double kGapM = 0.002;  // between board, ruler and text
+// The space below a board: gap, ruler and text.
 constexpr double kStripM = kGapM + kTickM + 2 * kTextLineM + 0.001;
 
 struct PageSize {
@@ -102,7 +102,7 @@ double largestSquare(int squares_x, int squares_y, Page page) {
   for (const auto& [width, height] : {std::pair{size.long_m, size.short_m}, {size.short_m, size.long_m}})
     largest = std::max(
         largest, std::min((width - 2 * kMarginM) / squares_x, (height - 2 * kMarginM - kStripM) / squares_y));
-  const double step = largest > 0.01 ? 1e-3 : 1e-4;  // whole millimetres; tenths where they are small
+  const double step = largest > 0.01 ? 1e-3 : 1e-4;  // whole millimetres; tenths below 10 mm
   return step * std::floor(largest / step + 1e-9);
 }
 

@@ -50,8 +50,7 @@ struct CageReading {
 /// - vertices within 1e-6 of the size of the bounding box are welded;
 /// - corners that repeat the previous one are removed;
 /// - faces are flipped so that neighbours agree; closed parts face outwards by their signed volume, open
-/// parts
-///   as most of their faces do.
+///   parts as most of their faces do.
 /// Problems: edges of more than two faces, vertices where fans of faces touch, duplicate faces, faces without
 /// area, non-orientable surfaces.
 /// \throw Error naming the line or byte if the file cannot be parsed

@@ -280,7 +280,7 @@ class CageRepair {
     for (std::size_t f = 0; f < faces_.size(); ++f) {
       if (broken_[f]) continue;
       std::size_t hash = faces_[f].size();
-      for (const int corner : faces_[f]) {  // a sum: the order is of no account
+      for (const int corner : faces_[f]) {  // a sum does not depend on the order
         const std::uint64_t mixed = (std::uint64_t(corner) + 1) * 0x9E3779B97F4A7C15u;
         hash += std::size_t(mixed ^ (mixed >> 29)) * 0xBF58476D1CE4E5B9u;
       }
@@ -413,8 +413,8 @@ class CageRepair {
     return parts;
   }
 
-  /// Whether the faces of `part` that agree with its first face have to be turned over.
-  static bool isTurned(const Part& part, const std::vector<const Part*>& hulls) {
+  /// Whether the faces of `part` that agree with its first face have to be flipped.
+  static bool isFlipped(const Part& part, const std::vector<const Part*>& hulls) {
     const bool by_majority = 2 * part.opposite_faces > part.faces;
     const double negligible = kWeldFraction * part.box.volume();
     if (!part.is_closed || std::abs(part.volume) <= negligible) return by_majority;
@@ -439,15 +439,15 @@ class CageRepair {
   void orient() {
     const std::unordered_map<int, Part> parts = measuredParts();
     const std::vector<const Part*> hulls = largestClosed(parts);
-    std::unordered_map<int, bool> turned;
+    std::unordered_map<int, bool> flipped;
     Problem one_sided;
     reading_.is_closed = true;
     for (const auto& [first, part] : parts) {
-      turned[first] = isTurned(part, hulls);
+      flipped[first] = isFlipped(part, hulls);
       reading_.is_closed = reading_.is_closed && part.is_closed;
     }
     std::vector<bool> is_reported(faces_.size(), false);
-    std::size_t turned_count = 0;
+    std::size_t flipped_count = 0;
     for (std::size_t f = 0; f < faces_.size(); ++f) {
       if (broken_[f]) continue;
       const auto [first, opposite] = parts_->find(int(f));
@@ -455,16 +455,16 @@ class CageRepair {
         is_reported[std::size_t(first)] = true;
         one_sided.add([&] { return edgeText(*twisted_[f]); });
       }
-      if (parts.at(first).is_one_sided || turned.at(first) == opposite) continue;
+      if (parts.at(first).is_one_sided || flipped.at(first) == opposite) continue;
       std::reverse(faces_[f].begin() + 1, faces_[f].end());
-      ++turned_count;
+      ++flipped_count;
     }
     one_sided.report("part has one side only, as a Möbius strip; its winding breaks at",
                      "parts have one side only, as a Möbius strip; their winding breaks at",
                      reading_.problems);
-    if (turned_count > 0)
+    if (flipped_count > 0)
       reading_.repairs.push_back(
-          "turned over " + std::to_string(turned_count) + " of " + counted(faces_.size(), "face") +
+          "flipped " + std::to_string(flipped_count) + " of " + counted(faces_.size(), "face") +
           (reading_.is_closed ? " to face outwards" : " to agree with their neighbours"));
   }
 

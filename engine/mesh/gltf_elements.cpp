@@ -49,7 +49,7 @@ GltfElements::GltfElements(const tinygltf::Model& model, int accessor, int type,
   if (!view_fits || size_ == 0 || source.byteOffset > view.byteLength ||
       element_bytes > view.byteLength - source.byteOffset || stride_ < element_bytes ||
       size_ - 1 > (view.byteLength - source.byteOffset - element_bytes) / stride_)
-    fail("the accessor exceeds its buffer, or is empty");
+    fail("the accessor extends beyond its buffer, or is empty");
   first_ = data.data() + view.byteOffset + source.byteOffset;
 }
 

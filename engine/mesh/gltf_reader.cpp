@@ -252,7 +252,7 @@ class GltfReader {
   /// The mesh's index of each vertex.
   std::vector<int> readPoints(int accessor, const Eigen::Affine3d& scene_from_mesh) {
     const GltfElements positions(model_, accessor, TINYGLTF_TYPE_VEC3, file_.name + ": POSITION");
-    vertex_count_ += positions.size();  // counts an accessor once per use
+    vertex_count_ += positions.size();  // once per primitive that uses the accessor
     if (vertex_count_ > kMaxMeshCorners)
       fail("its primitives have more than " + std::to_string(kMaxMeshCorners) + " vertices");
     std::vector<int> vertices;

@@ -295,7 +295,7 @@ class PlyReader {
     // In text, no space needs to follow the last number.
     const std::size_t room = values.remaining() + (values.isText() ? 1 : 0);
     if (element.count > 0 && min_bytes > 0 && element.count > room / min_bytes)
-      throw Error(file_.name + ": the header states " + std::to_string(element.count) + " of element '" +
+      throw Error(file_.name + ": the header declares " + std::to_string(element.count) + " of element '" +
                   printable(element.name) + "', but only " + std::to_string(values.remaining()) +
                   " bytes follow; the file is truncated or damaged");
   }

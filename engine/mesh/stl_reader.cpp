@@ -176,7 +176,7 @@ MeshSource parseStl(const MeshFileContent& file) {
   if (size < kHeaderBytes)
     throw Error(file.name + ": not an STL file; expected text that begins with `solid`, or 84 bytes or more");
   if (size < expected)
-    throw Error(file.name + ": the header states " + std::to_string(count) + " triangles, " +
+    throw Error(file.name + ": the header declares " + std::to_string(count) + " triangles, " +
                 std::to_string(expected) + " bytes, but the file has " + std::to_string(size) +
                 "; it is truncated, or not an STL file");
   MeshSource mesh = readBinary(file, count);

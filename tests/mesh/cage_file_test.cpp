@@ -130,7 +130,7 @@ TEST_F(CageFile, WeldsOnlyWithinAMillionthOfTheSize) {
 }
 
 TEST_F(CageFile, MakesTheWindingConsistent) {
-  // Every subset of the cube's faces turned over gives the same cube, facing outwards.
+  // Every subset of the cube's faces flipped gives the same cube, facing outwards.
   for (unsigned turned = 0; turned < 64; ++turned) {
     std::string text = kCubePoints;
     for (std::size_t f = 0; f < 6; ++f) {
@@ -145,7 +145,7 @@ TEST_F(CageFile, MakesTheWindingConsistent) {
       EXPECT_EQ(reading.notes().size(), 0u);
     else
       EXPECT_EQ(reading.notes(),
-                std::vector<std::string>{"turned over " + count + " of 6 faces to face outwards"});
+                std::vector<std::string>{"flipped " + count + " of 6 faces to face outwards"});
   }
 }
 
@@ -153,8 +153,7 @@ TEST_F(CageFile, OpenPartsFollowMostOfTheirFaces) {
   const std::string points =
       "v 0 0 0\nv .1 0 0\nv .2 0 0\nv .3 0 0\nv 0 .1 0\nv .1 .1 0\nv .2 .1 0\nv .3 .1 0\n";
   const CageReading reading = read(points + "f 5 6 2 1\nf 2 3 7 6\nf 3 4 8 7\n");
-  EXPECT_EQ(reading.notes(),
-            std::vector<std::string>{"turned over 1 of 3 faces to agree with their neighbours"});
+  EXPECT_EQ(reading.notes(), std::vector<std::string>{"flipped 1 of 3 faces to agree with their neighbours"});
   EXPECT_EQ(reading.cage.faces[0], (std::vector<int>{4, 0, 1, 5}));
   EXPECT_EQ(reading.cage.faces[1], (std::vector<int>{1, 2, 6, 5}));
   EXPECT_FALSE(reading.is_closed);

@@ -151,17 +151,17 @@ TEST_F(CageFormats, RefusesCountsThatTheFileCannotContain) {
       "\nproperty float x\nproperty float y\nproperty float z\nelement face 4000000000\n"
       "property list uint uint vertex_indices\nend_header\n";
   EXPECT_TRUE(contains(refusal("a.ply", head + "4000000000" + properties + "1234"),
-                       "the header states 4000000000 of element 'vertex', but only 4 bytes follow"));
+                       "the header declares 4000000000 of element 'vertex', but only 4 bytes follow"));
   const std::string one = head + "1" + properties + std::string(12, '\0');
   EXPECT_TRUE(contains(refusal("a.ply", one), "4000000000 of element 'face'"));
   const std::string long_face = replaced(one, "4000000000", "1") + "\xff\xff\xff\x7f";
   EXPECT_TRUE(contains(refusal("a.ply", long_face), "corner count 2147483647 is out of range"));
   std::string stl = stlBinaryOf(cubeCage(0.2));
   stl[83] = '\x7f';
-  EXPECT_TRUE(contains(refusal("a.stl", stl), "promises 2130706444 triangles"));
+  EXPECT_TRUE(contains(refusal("a.stl", stl), "declares 2130706444 triangles"));
   EXPECT_TRUE(
       contains(refusal("a.gltf", replaced(gltfOf(cubeCage(0.2)), "\"count\":24", "\"count\":4000000000")),
-               "exceeds its buffer"));
+               "extends beyond its buffer"));
 }
 
 TEST_F(CageFormats, ReadsFormsOfStl) {
