@@ -214,7 +214,7 @@ TEST(Recalibration, ReportsCamerasWithoutSharedViews) {
     for (const int camera : frame % 2 ? std::vector{0, 1} : std::vector{2, 3})
       scene.views[std::size_t(camera)].views.erase(frame);
   const std::string message = messageOf([&] { scene.recalibrated(); });
-  for (const char* word : {"\"cam0\", \"cam1\"", "\"cam2\", \"cam3\"", "at once"})
+  for (const char* word : {"\"cam0\", \"cam1\"", "\"cam2\", \"cam3\"", "at the same time"})
     EXPECT_NE(message.find(word), std::string::npos) << message;
 }
 
