@@ -122,8 +122,8 @@ Vec3 parsePoint(const std::string& option, const std::string& text) {
     start = end + 1;
   }
   if (values.size() != 3 || start <= text.size())
-    throw Error(option + " " + printable(text) +
-                    " is not a position; expected X,Y,Z in metres: " + option + " 0,0,0.05",
+    throw Error(option + " " + printable(text) + " is not a position; expected X,Y,Z in metres: " + option +
+                    " 0,0,0.05",
                 Fault::kUsage);
   return {values[0], values[1], values[2]};
 }

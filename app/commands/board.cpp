@@ -39,8 +39,7 @@ Sight sightFromOptions(const BoardCommandOptions& options) {
     throw Error("--distance " + fixed(options.distance_m, 2) + ": expected a distance above 0 metres",
                 Fault::kUsage);
   if (!(options.fov_degrees >= 1 && options.fov_degrees <= 170))
-    throw Error("--fov " + fixed(options.fov_degrees, 1) + ": expected 1 to 170 degrees",
-                Fault::kUsage);
+    throw Error("--fov " + fixed(options.fov_degrees, 1) + ": expected 1 to 170 degrees", Fault::kUsage);
   return {{focalOf(width, options.fov_degrees), options.distance_m},
           "a " + std::to_string(width) + " x " + std::to_string(height) + " camera with " +
               fixed(options.fov_degrees, 0) + " degrees of view, " + fixed(options.distance_m, 2) +

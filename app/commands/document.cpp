@@ -140,10 +140,9 @@ void runSet(const SetOptions& options) {
   }
   options.clay_options.applyTo(state);
   if (sameClay(state, document.state()))
-    throw Error(
-        "set " + options.file +
-            ": nothing to change; use --levels, --rule, --solve or --clay with another value",
-        Fault::kUsage);
+    throw Error("set " + options.file +
+                    ": nothing to change; use --levels, --rule, --solve or --clay with another value",
+                Fault::kUsage);
   const Subdivision subdivision =
       subdivide(state.cage, state.levels, state.rule);  // throws if the level is too high
   document.commit(!options.clay.empty() ? "Import " + std::filesystem::path(options.clay).filename().string()

@@ -223,8 +223,7 @@ void checkOptions(const RecordOptions& options) {
   if (!options.cameras.given())
     throw Error("no cameras given; add --camera NAME=SOURCE once per camera", Fault::kUsage);
   if (options.background > 0 && options.background_s > 0)
-    throw Error("--background and --background-seconds exclude each other; use one of them",
-                Fault::kUsage);
+    throw Error("--background and --background-seconds exclude each other; use one of them", Fault::kUsage);
   if (!(options.seconds >= 0 && options.seconds <= 86400 && options.background_s >= 0 &&
         options.background_s <= 60 && options.background >= 0 && options.background <= 10000))
     throw Error("--seconds must be 0 to 86400, --background 0 to 10000 sets, --background-seconds 0 to 60",
@@ -268,8 +267,7 @@ void runRecord(const RecordOptions& options) {
   const int sets = recorder.figures()["sets"];
   if (!recorder.whyItEnded().empty())
     throw Error(options.out + ": " + recorder.whyItEnded() + ": the recording ends with its " +
-                std::to_string(sets) +
-                " sets, which can be read; check that the camera keeps running");
+                std::to_string(sets) + " sets, which can be read; check that the camera keeps running");
   if (sets == 0)
     throw Error(options.out +
                 ": no set was recorded; expected running cameras, or files longer than the background");

@@ -174,8 +174,7 @@ class ActionsReader {
       take(std::string_view(text).substr(at, end - at));
       at = end + 1;
     }
-    if (number_ == 0)
-      throw Error(file_ + ": it is empty; expected `airclay-actions 1` in the first line");
+    if (number_ == 0) throw Error(file_ + ": it is empty; expected `airclay-actions 1` in the first line");
   }
 
   Actions actions;

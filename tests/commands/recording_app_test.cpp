@@ -268,7 +268,8 @@ TEST_F(RecordingApp, InvalidUseIsAOneLineError) {
   with("airclay-actions 1\nframe 1 0.03 push q 1 1\n", "actions.txt:2: expected a symmetry");
   with("airclay-actions 1\nframe 1 nan push - 1 1\n", "actions.txt:2:");
   with("airclay-actions 1\nturn 0 0 1 0.5 almost\n", "actions.txt:2: expected more or last");
-  with("airclay-actions 1\nhand ../../hand.glb\n", "actions.txt:2: expected the name of a file in the same folder");
+  with("airclay-actions 1\nhand ../../hand.glb\n",
+       "actions.txt:2: expected the name of a file in the same folder");
   with("airclay-actions 1\nsing\n", "actions.txt:2: 'sing' is not an action");
   with("airclay-actions 1\nundo twice\n", "actions.txt:2: expected nothing after");
   with(actions.substr(0, actions.size() - 4) + "undo\nend\nframe 1 1 push - 1 1\n", "nothing after `end`");
