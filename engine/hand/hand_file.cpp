@@ -11,6 +11,7 @@
 
 #include "engine/core/error.h"
 #include "engine/hand/hand_model.h"
+#include "engine/mesh/gltf_elements.h"
 
 #define TINYGLTF_NO_STB_IMAGE  // textures are ignored
 #define TINYGLTF_NO_STB_IMAGE_WRITE
@@ -24,8 +25,6 @@ constexpr std::uintmax_t kMaxFileBytes =
 constexpr size_t kMaxTriangles = 1'000'000;
 constexpr double kMaxCoordinate = 1e6;  // more indicates a damaged file; also keeps products finite
 constexpr double kMinVolume = 1e-18;    // m³: a cube of a micrometre; less counts as flat
-
-using Accessor = tinygltf::Accessor;
 
 /// A parsed file and its path for error messages.
 struct File {
@@ -93,67 +92,10 @@ void parse(File& file) {
   file.fail("damaged glTF binary: " + (error.empty() ? "unreadable" : error));
 }
 
-/// Elements of an accessor as numbers; the constructor checks every range [3.6.2].
-class Elements {
- public:
-  Elements(const File& file, int accessor, int type, const std::string& what) {
-    const tinygltf::Model& model = file.model;
-    if (accessor < 0 || size_t(accessor) >= model.accessors.size()) file.fail(what + ": no such accessor");
-    accessor_ = &model.accessors[accessor];
-    if (accessor_->sparse.isSparse) file.fail(what + ": a sparse accessor; export without sparse data");
-    if (accessor_->type != type) file.fail(what + ": an accessor of the wrong type");
-    if (accessor_->bufferView < 0 || size_t(accessor_->bufferView) >= model.bufferViews.size())
-      file.fail(what + ": no plain data; export without compression");
-    const tinygltf::BufferView& view = model.bufferViews[accessor_->bufferView];
-    if (view.buffer < 0 || size_t(view.buffer) >= model.buffers.size()) file.fail(what + ": no such buffer");
-    const std::vector<unsigned char>& data = model.buffers[view.buffer].data;
-    components_ = size_t(tinygltf::GetNumComponentsInType(uint32_t(type)));
-    const int component_bytes = tinygltf::GetComponentSizeInBytes(uint32_t(accessor_->componentType));
-    const int stride = accessor_->ByteStride(view);
-    if (component_bytes <= 0 || stride <= 0) file.fail(what + ": an accessor of an unknown layout");
-    component_bytes_ = size_t(component_bytes), stride_ = size_t(stride);
-    const bool view_fits = view.byteOffset <= data.size() && view.byteLength <= data.size() - view.byteOffset;
-    const size_t element_bytes = components_ * component_bytes_;
-    if (!view_fits || accessor_->count == 0 || accessor_->byteOffset > view.byteLength ||
-        element_bytes > view.byteLength - accessor_->byteOffset || stride_ < element_bytes ||
-        accessor_->count - 1 > (view.byteLength - accessor_->byteOffset - element_bytes) / stride_)
-      file.fail(what + ": the accessor extends beyond its buffer, or is empty");
-    first_ = data.data() + view.byteOffset + accessor_->byteOffset;
-  }
-
-  size_t size() const { return accessor_->count; }
-  int componentType() const { return accessor_->componentType; }
-
-  /// Component `c` of element `i`; normalized integers as in [3.6.2.2].
-  double at(size_t i, size_t c = 0) const {
-    const unsigned char* bytes = first_ + i * stride_ + c * component_bytes_;
-    switch (accessor_->componentType) {
-      case TINYGLTF_COMPONENT_TYPE_FLOAT:
-        return read<float>(bytes);
-      case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
-        return read<std::uint8_t>(bytes) / scale(255);
-      case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
-        return read<std::uint16_t>(bytes) / scale(65535);
-      case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
-        return read<std::uint32_t>(bytes);
-      default:
-        return std::nan("");
-    }
-  }
-
- private:
-  template <typename T>
-  static double read(const unsigned char* bytes) {
-    T value;
-    std::memcpy(&value, bytes, sizeof value);
-    return double(value);
-  }
-  double scale(double largest) const { return accessor_->normalized ? largest : 1; }
-
-  const Accessor* accessor_ = nullptr;
-  const unsigned char* first_ = nullptr;
-  size_t components_ = 0, component_bytes_ = 0, stride_ = 0;
-};
+/// Elements of an accessor of the file.
+GltfElements elementsOf(const File& file, int accessor, int type, const std::string& what) {
+  return GltfElements(file.model, accessor, type, "hand " + file.path.string() + ": " + what);
+}
 
 Eigen::Affine3d localTransform(const tinygltf::Node& node) {
   Eigen::Affine3d transform = Eigen::Affine3d::Identity();
@@ -238,9 +180,10 @@ FileSkin findSkin(const File& file, const std::vector<int>& parents) {
     if (result.nodes[j] < 0) file.fail("the skin lacks the joint " + std::string(kJointNames[j]));
 
   const bool bound = skin.inverseBindMatrices >= 0;
-  std::vector<Elements> inverse_bind;
+  std::vector<GltfElements> inverse_bind;
   if (bound)
-    inverse_bind.emplace_back(file, skin.inverseBindMatrices, TINYGLTF_TYPE_MAT4, "inverseBindMatrices");
+    inverse_bind.push_back(
+        elementsOf(file, skin.inverseBindMatrices, TINYGLTF_TYPE_MAT4, "inverseBindMatrices"));
   if (bound && inverse_bind[0].size() < skin.joints.size())
     file.fail("fewer inverseBindMatrices than joints");
   for (size_t i = 0; i < skin.joints.size(); ++i) {
@@ -282,14 +225,15 @@ class SkinBuilder {
   void add(const tinygltf::Primitive& primitive) {
     if (primitive.mode != -1 && primitive.mode != TINYGLTF_MODE_TRIANGLES)
       file_.fail("a primitive of points, lines or strips; export triangles");
-    const Elements positions(file_, attribute(primitive, "POSITION"), TINYGLTF_TYPE_VEC3, "POSITION");
+    const GltfElements positions =
+        elementsOf(file_, attribute(primitive, "POSITION"), TINYGLTF_TYPE_VEC3, "POSITION");
     if (positions.componentType() != TINYGLTF_COMPONENT_TYPE_FLOAT) file_.fail("POSITION: not floats");
     if (positions.size() > 3 * kMaxTriangles) file_.fail("more than 3 million vertices");
     const std::vector<int> vertices = addVertices(primitive, positions);
     if (primitive.indices < 0) {
       addTriangles(vertices, positions.size(), [](size_t i) { return double(i); });
     } else {
-      const Elements indices(file_, primitive.indices, TINYGLTF_TYPE_SCALAR, "indices");
+      const GltfElements indices = elementsOf(file_, primitive.indices, TINYGLTF_TYPE_SCALAR, "indices");
       if (indices.componentType() == TINYGLTF_COMPONENT_TYPE_FLOAT) file_.fail("indices: not integers");
       addTriangles(vertices, indices.size(), [&](size_t i) { return indices.at(i); });
     }
@@ -301,14 +245,15 @@ class SkinBuilder {
     return found == primitive.attributes.end() ? -1 : found->second;
   }
 
-  std::vector<int> addVertices(const tinygltf::Primitive& primitive, const Elements& positions) {
-    std::vector<Elements> joints,
+  std::vector<int> addVertices(const tinygltf::Primitive& primitive, const GltfElements& positions) {
+    std::vector<GltfElements> joints,
         weights;  // JOINTS_0, WEIGHTS_0; more sets if vertices have over four joints
     for (int set = 0; set == 0 || attribute(primitive, "JOINTS_" + std::to_string(set)) >= 0; ++set) {
       const std::string joints_name = "JOINTS_" + std::to_string(set),
                         weights_name = "WEIGHTS_" + std::to_string(set);
-      joints.emplace_back(file_, attribute(primitive, joints_name), TINYGLTF_TYPE_VEC4, joints_name);
-      weights.emplace_back(file_, attribute(primitive, weights_name), TINYGLTF_TYPE_VEC4, weights_name);
+      joints.push_back(elementsOf(file_, attribute(primitive, joints_name), TINYGLTF_TYPE_VEC4, joints_name));
+      weights.push_back(
+          elementsOf(file_, attribute(primitive, weights_name), TINYGLTF_TYPE_VEC4, weights_name));
       if (joints.back().size() < positions.size() || weights.back().size() < positions.size())
         file_.fail(joints_name + ", " + weights_name + ": fewer than vertices");
     }
@@ -326,8 +271,8 @@ class SkinBuilder {
     return vertices;
   }
 
-  void addVertex(size_t v, const Vec3& bound, const std::vector<Elements>& joints,
-                 const std::vector<Elements>& weights) {
+  void addVertex(size_t v, const Vec3& bound, const std::vector<GltfElements>& joints,
+                 const std::vector<GltfElements>& weights) {
     Vec3 sum = Vec3::Zero();
     double total = 0;
     std::map<int, double> held;  // by index in kJointNames
