@@ -25,7 +25,7 @@ namespace {
 using nlohmann::ordered_json;
 
 struct RigOptions : CommonOptions {
-  std::string rig, units, center, take;
+  std::string rig, units, up, center, take;
   double edge_m = 0;  ///< 0: the rig's
 };
 
@@ -54,6 +54,7 @@ void moveWorkspace(const RigOptions& options, ParsedRig& reading) {
 ParsedRig readTheRig(const RigOptions& options) {
   if (!options.center.empty() && options.center != "auto") parsePoint("--center", options.center);
   ParsedRig reading = readAnyRig(options.rig, parseUnits(options.units));
+  if (!options.up.empty()) reading.rig = withUpAxis(reading.rig, *axisNamed(options.up));
   moveWorkspace(options, reading);
   return reading;
 }
@@ -221,6 +222,9 @@ void addRigOptions(CLI::App& command, RigOptions& options) {
   command.add_option("--units", options.units, "unit of a rig file that states none: m or mm")
       ->check(CLI::IsMember({"m", "mm"}).description(""))
       ->type_name("m|mm");
+  command.add_option("--up", options.up, "up axis of the rig's world, as --up=-y; the output is z up [z]")
+      ->check(CLI::IsMember({"x", "y", "z", "-x", "-y", "-z"}).description(""))
+      ->type_name("AXIS");
   command
       .add_option("--center", options.center,
                   "center of the workspace in the rig's world, metres; auto: the point the cameras look at "

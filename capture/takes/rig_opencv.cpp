@@ -3,6 +3,7 @@
 #include "capture/takes/rig_opencv.h"
 
 #include <algorithm>
+#include <fstream>
 #include <opencv2/core.hpp>
 
 #include "capture/images/quiet_opencv.h"
@@ -33,6 +34,20 @@ class YamlFile {
   cv::FileNode operator[](const std::string& key) const { return storage_[key]; }
   bool has(const std::string& key) const { return !storage_[key].empty(); }
   const std::string& path() const { return path_; }
+
+  /// "FILE: KEY (line N)", for messages about a key's values.
+  std::string placeOf(const std::string& key) const {
+    const std::string name = std::filesystem::path(path_).filename().string();
+    std::ifstream in(path_, std::ios::binary);
+    std::string text;
+    for (int line = 1; std::getline(in, text); ++line) {
+      const std::size_t at = text.find_first_not_of(" \t<\"");
+      if (at != std::string::npos && text.compare(at, key.size(), key) == 0 &&
+          std::string(":>\" ").find(text.substr(at + key.size(), 1)) != std::string::npos)
+        return name + ": " + key + " (line " + std::to_string(line) + ")";
+    }
+    return name + ": " + key;
+  }
 
   /// A matrix's values, row by row.
   std::vector<double> matrix(const std::string& key, const std::string& expected) const {
@@ -110,11 +125,14 @@ Camera easyMocapCamera(const YamlFile& intri, const YamlFile& extri, const std::
   camera.height = side(intri, "H_" + name);
   camera.matrix = matrix3(intri, "K_" + name);
   const bool has_other_name = !intri.has("dist_" + name) && intri.has("D_" + name);
-  camera.distortions = intri.matrix((has_other_name ? "D_" : "dist_") + name, "4, 5 or 8 values");
+  const std::string distortions_key = (has_other_name ? "D_" : "dist_") + name;
+  camera.distortions = intri.matrix(distortions_key, "4, 5 or 8 values");
+  const std::string folder = std::filesystem::path(intri.path()).parent_path().string();
+  checkDistortions(camera, intri.placeOf(distortions_key), folder);
   const std::string rotation_key = (extri.has("Rot_" + name) ? "Rot_" : "R_") + name;
   camera.rotation = extri.matrix(rotation_key, "3 values (Rodrigues) or a 3 x 3 matrix");
   camera.translation_m = metres * vector3(extri, "T_" + name);
-  return cameraFromEntry(camera, std::filesystem::path(intri.path()).parent_path().string());
+  return cameraFromEntry(camera, folder);
 }
 
 /// Runs `read`; an Error becomes an entry of the rig's errors, so that it does not hide others.
@@ -155,6 +173,7 @@ ParsedRig readStereo(const YamlFile& intri, const YamlFile& extri, RigUnits unit
       camera.name = is_right ? "right" : "left";
       camera.matrix = matrix3(intri, "M" + number);
       camera.distortions = intri.matrix("D" + number, "4, 5 or 8 values");
+      checkDistortions(camera, intri.placeOf("D" + number), reading.where);
       camera.rotation = is_right ? extri.matrix("R", "3 values (Rodrigues) or a 3 x 3 matrix")
                                  : std::vector<double>{0, 0, 0};
       if (is_right) camera.translation_m = metres * vector3(extri, "T");
@@ -189,13 +208,16 @@ std::optional<std::filesystem::path> rigFileIn(const std::filesystem::path& fold
   // Our own format first. intrinsics.yml alone has only lenses, so the other file of the pair counts.
   for (const char* name :
        {"rig.toml", "camera_array.toml", "calibration.toml", "Calib.toml", "intri.yml", "extrinsics.yml"})
-    if (std::filesystem::exists(folder / name)) return folder / name;
+    // Of a symbolic link itself, so that the reader reports a broken one.
+    if (std::error_code unreadable;
+        std::filesystem::exists(std::filesystem::symlink_status(folder / name, unreadable)))
+      return folder / name;
   return std::nullopt;
 }
 
 ParsedRig readAnyRig(const std::filesystem::path& rig, RigUnits units) {
   std::filesystem::path file = rig;
-  if (std::filesystem::is_directory(rig)) {
+  if (std::error_code unreadable; std::filesystem::is_directory(rig, unreadable)) {
     const std::optional<std::filesystem::path> found = rigFileIn(rig);
     if (!found)
       throw Error(

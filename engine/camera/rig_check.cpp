@@ -162,6 +162,21 @@ std::string cameraNameOf(const std::string& name) {
   return isVideoName(file) ? std::filesystem::path(file).stem().string() : name;
 }
 
+void checkDistortions(const CameraEntry& entry, const std::string& place, const std::string& where) {
+  const std::vector<double>& k = entry.distortions;
+  const size_t count = k.size();
+  const std::string has =
+      cameraIn(where, entry.name) + place + " has " + std::to_string(count) + " values";
+  const bool is_longer = !entry.fisheye && (count == 12 || count == 14);
+  if (!is_longer && (entry.fisheye ? count != 4 : count != 4 && count != 5 && count != 8))
+    throw Error(has + "; expected " + (entry.fisheye ? "4 (fisheye)" : "4, 5 or 8"));
+  if (is_longer && std::any_of(k.begin() + 8, k.end(), [](double value) { return value != 0; }))
+    throw Error(has +
+                ", and the thin prism or tilt coefficients (the 9th and later) are not 0; expected the "
+                "rational model of 8 coefficients: calibrate with `airclay calibrate`, or in OpenCV with "
+                "CALIB_RATIONAL_MODEL alone");
+}
+
 Camera cameraFromEntry(const CameraEntry& entry, const std::string& where) {
   const std::string here = cameraIn(where, entry.name);
   if (!entry.matrix.allFinite()) throw Error(here + "matrix contains a value that is not finite");
@@ -172,14 +187,7 @@ Camera cameraFromEntry(const CameraEntry& entry, const std::string& where) {
   const std::vector<double>& k = entry.distortions;
   for (const double value : k)
     if (!std::isfinite(value)) throw Error(here + "distortions contain a value that is not finite");
-  const size_t count = k.size();
-  const bool is_longer = !entry.fisheye && (count == 12 || count == 14);
-  if (!is_longer && (entry.fisheye ? count != 4 : count != 4 && count != 5 && count != 8))
-    throw Error(here + "distortions has " + std::to_string(count) + " values; expected " +
-                (entry.fisheye ? "4 (fisheye)" : "4, 5 or 8"));
-  if (is_longer && std::any_of(k.begin() + 8, k.end(), [](double value) { return value != 0; }))
-    throw Error(here + "distortions has " + std::to_string(count) +
-                " values, and the 9th or a later one (thin prism, tilt) is not 0; expected 4, 5 or 8");
+  checkDistortions(entry, "distortions", where);
 
   Camera camera;
   camera.name = cameraNameOf(entry.name);
@@ -187,7 +195,7 @@ Camera cameraFromEntry(const CameraEntry& entry, const std::string& where) {
   camera.height = entry.height;
   camera.lens.model = entry.fisheye ? LensModel::kFisheye : LensModel::kPerspective;
   camera.lens.fx = m(0, 0), camera.lens.fy = m(1, 1), camera.lens.cx = m(0, 2), camera.lens.cy = m(1, 2);
-  std::copy_n(k.begin(), std::min(count, camera.lens.distortion.size()), camera.lens.distortion.begin());
+  std::copy_n(k.begin(), std::min(k.size(), camera.lens.distortion.size()), camera.lens.distortion.begin());
   camera.lens = withMonotonicRange(camera.lens);
   camera.camera_from_world.linear() = rotationFromEntry(entry, here);
   camera.camera_from_world.translation() = entry.translation_m;

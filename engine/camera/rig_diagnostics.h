@@ -4,6 +4,8 @@
 // readRig and checkRig (rig.h) stop at the first error; these functions collect all of them.
 #pragma once
 
+#include <string_view>
+
 #include "engine/camera/rig.h"
 #include "engine/core/error.h"
 
@@ -85,6 +87,16 @@ enum class PoseConvention {
 Rig withPoseConvention(const Rig& rig, PoseConvention poses);
 /// A description for messages: "the poses are …".
 std::string describe(PoseConvention poses);
+
+/// Checks the number of a camera's distortion coefficients. \param place their key and line, for the message.
+/// \throw Error also if thin prism or tilt coefficients are not 0, because Lens lacks them
+void checkDistortions(const CameraEntry& entry, const std::string& place, const std::string& where);
+
+/// The unit vector of x, y, z, -x, -y or -z; empty for any other name.
+std::optional<Vec3> axisNamed(std::string_view name);
+
+/// The rig in a world whose z axis is `up`, an axis of the old one; the workspace moves along.
+Rig withUpAxis(const Rig& rig, const Vec3& up);
 
 inline constexpr PoseConvention kPoseConventions[] = {
     PoseConvention::kWorldFromCamera, PoseConvention::kGlCameraFromWorld, PoseConvention::kWorldFromGlCamera};

@@ -130,6 +130,8 @@ Camera readCamera(const Entry& entry, const std::string& name, double metres, co
     camera.fisheye = fisheye->get();
   }
   camera.distortions = entry.numbers("distortions", "4, 5 or 8 numbers in OpenCV's order (4 with fisheye)");
+  const auto line = entry.table.get("distortions")->source().begin.line;
+  checkDistortions(camera, "distortions (line " + std::to_string(line) + ")", file);
   camera.rotation = entry.numbers("rotation", "3 numbers (Rodrigues) or a 3 x 3 matrix");
   camera.translation_m = metres * entry.vector("translation", "[tx, ty, tz]");
   return cameraFromEntry(camera, file);
@@ -203,7 +205,8 @@ class RigReader {
       const std::optional<std::string> unit = written.value<std::string>();
       if (unit == "m") return 1;
       if (unit == "mm") return 1e-3;
-      throw Error(file_ + ": [metadata] units must be \"m\" or \"mm\"");
+      throw Error(file_ + ": [metadata] units (line " + std::to_string(written.node()->source().begin.line) +
+                  ") must be \"m\" or \"mm\"");
     }
     if (units_ == RigUnits::kAsWritten)
       throw Error(file_ +

@@ -224,23 +224,38 @@ class Inspection {
                            " mm at the cube's centre; move the camera closer or use a higher resolution");
   }
 
-  /// The world's z axis points up. In a board's own frame, which many rigs use, z points into the board.
+  /// The world's z axis points up. In a board's or a camera's own frame, which many rigs use, it does not.
   void inspectWorld() {
-    double up = 0, height = 0;
+    Vec3 up = Vec3::Zero(), forward = Vec3::Zero();
     bool all_below = true;
     for (const Camera& camera : rig_.cameras) {
-      up += -camera.camera_from_world.linear()(1, 2) / static_cast<double>(rig_.cameras.size());
-      height = centerInWorld(camera).z() - rig_.workspace.center.z();
-      all_below = all_below && height < 0;
+      up -= camera.camera_from_world.linear().row(1).transpose() / static_cast<double>(rig_.cameras.size());
+      forward += axisInWorld(camera) / static_cast<double>(rig_.cameras.size());
+      all_below = all_below && centerInWorld(camera).z() < rig_.workspace.center.z();
     }
-    if (up < -0.3 && all_below)
-      add("",
-          "all cameras are upside down and below the cube: the world's z points down; expected a world with "
-          "z up");
-    else if (up < -0.5)
-      add("", "the cameras are upside down on average; expected a world with z up");
+    if (inspectUpAxis(up, forward)) return;
+    const std::string convert = "expected a world with z up; `airclay rig convert --up=-z` converts the rig";
+    if (up.z() < -0.3 && all_below)
+      add("", "all cameras are upside down and below the cube: the world's z points down; " + convert);
+    else if (up.z() < -0.5)
+      add("", "the cameras are upside down on average; " + convert);
     else if (all_below)
       add("", "all cameras are below the cube's centre; does the world's z point up?");
+  }
+
+  /// Whether the images are upright along x or y. \param up, forward means of the cameras' directions
+  bool inspectUpAxis(const Vec3& up, const Vec3& forward) {
+    // Cameras above the cube that look straight down are upright along a horizontal axis.
+    constexpr double kClear = 0.6;
+    if (forward.z() < -kClear) return false;
+    for (const int axis : {0, 1}) {
+      if (std::abs(up[axis]) < kClear) continue;
+      const std::string name = std::string(up[axis] < 0 ? "-" : "") + "xy"[axis];
+      add("", "the cameras' images are upright along " + name + (name == "-y" ? " (a y-down world)" : "") +
+                  "; expected a world with z up; `airclay rig convert --up=" + name + "` converts the rig");
+      return true;
+    }
+    return false;
   }
 
   /// Whether the cube is where the cameras look.
@@ -325,6 +340,29 @@ Rig withPoseConvention(const Rig& rig, PoseConvention poses) {
     camera.camera_from_world.linear() = cv_from_gl * camera.camera_from_world.linear();
     camera.camera_from_world.translation() = cv_from_gl * camera.camera_from_world.translation();
   }
+  return result;
+}
+
+std::optional<Vec3> axisNamed(std::string_view name) {
+  const double sign = name.starts_with('-') ? -1 : 1;
+  if (name.starts_with('-')) name.remove_prefix(1);
+  if (name == "x") return Vec3(sign, 0, 0);
+  if (name == "y") return Vec3(0, sign, 0);
+  if (name == "z") return Vec3(0, 0, sign);
+  return std::nullopt;
+}
+
+Rig withUpAxis(const Rig& rig, const Vec3& up) {
+  Pose new_from_old = Pose::Identity();
+  new_from_old.linear() = up.z() < -0.5 ? Mat3(Vec3(1, -1, -1).asDiagonal())
+                                        : Mat3(Eigen::Quaterniond::FromTwoVectors(up, Vec3::UnitZ())
+                                                   .toRotationMatrix()
+                                                   .array()
+                                                   .round());
+  Rig result = rig;
+  for (Camera& camera : result.cameras)
+    camera.camera_from_world = camera.camera_from_world * new_from_old.inverse();
+  result.workspace.center = new_from_old * rig.workspace.center;
   return result;
 }
 

@@ -158,6 +158,37 @@ TEST(RigSuspicions, NameTheLikelyCause) {
   }
 }
 
+TEST(RigSuspicions, NameTheUpAxis) {
+  // The axis of the changed world that was z, by the axis that becomes z.
+  const std::pair<const char*, const char*> cases[] = {
+      {"y", "-y"}, {"-y", "y"}, {"x", "-x"}, {"-x", "x"}, {"-z", "-z"}};
+  Rig good = goodRig();
+  good.workspace.center = Vec3(0.02, -0.03, 0.01);
+  for (const auto& [to_z, was_z] : cases) {
+    const Rig rig = withUpAxis(good, *axisNamed(to_z));
+    const std::string findings = shown(rigWarnings(rig));
+    EXPECT_NE(findings.find(std::string("`airclay rig convert --up=") + was_z + "`"), std::string::npos)
+        << to_z << ": " << findings;
+    EXPECT_EQ(findings.find("y-down") != std::string::npos, was_z == std::string("-y")) << findings;
+    const Rig converted = withUpAxis(rig, *axisNamed(was_z));
+    EXPECT_EQ(shown(rigWarnings(converted)), "");
+    EXPECT_LE((converted.workspace.center.z() - good.workspace.center.z()), 1e-12);
+  }
+  EXPECT_FALSE(axisNamed("w"));
+  EXPECT_FALSE(axisNamed(""));
+}
+
+TEST(RigSuspicions, AllowCamerasThatLookStraightDown) {
+  Rig rig = goodRig();
+  for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
+    Camera& camera = rig.cameras[i];
+    camera.camera_from_world.linear() = axes(1, -1, -1);  // upright along y
+    const Vec3 eye(0.3 * static_cast<double>(i % 2) - 0.15, 0.3 * static_cast<double>(i / 2) - 0.15, 1.2);
+    camera.camera_from_world.translation() = camera.camera_from_world.linear() * -eye;
+  }
+  EXPECT_EQ(shown(rigWarnings(rig)).find("--up"), std::string::npos) << shown(rigWarnings(rig));
+}
+
 TEST(RigSuspicions, ReportAdjacentCameras) {
   Rig rig = ringRig(2, 640, 480);
   rig.cameras[1] = rig.cameras[0];

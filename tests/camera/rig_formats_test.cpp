@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 #include <toml++/toml.h>
 
+#include <algorithm>
+#include <initializer_list>
 #include <numbers>
 #include <opencv2/calib3d.hpp>
 
@@ -265,6 +267,78 @@ TEST(RigFormats, LongDistortionsMustEndInZeros) {
   entry.fisheye = true;
   entry.distortions.assign(12, 0.0);
   EXPECT_NE(messageOf([&] { cameraFromEntry(entry, "file"); }).find("fisheye"), std::string::npos);
+}
+
+void expectMentions(const std::string& message, std::initializer_list<const char*> parts) {
+  for (const char* part : parts) EXPECT_NE(message.find(part), std::string::npos) << part << ": " << message;
+  EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+}
+
+/// A rig file of two cameras, whose first has these distortions in line 4.
+std::string tomlWith(const std::string& distortions) {
+  return "[cam_0]\nsize = [640, 480]\nmatrix = [[560, 0, 320], [0, 560, 240], [0, 0, 1]]\ndistortions = [" +
+         distortions + "]\nrotation = [" + kOnMinusX +
+         "]\ntranslation = [0, 0, 1.2]\n\n[cam_1]\nsize = [640, 480]\n" +
+         "matrix = [[560, 0, 320], [0, 560, 240], [0, 0, 1]]\ndistortions = [0, 0, 0, 0]\nrotation = [" + kOnY +
+         "]\ntranslation = [0, 0, 1.2]\n";
+}
+
+TEST(RigFormats, ThinPrismAndTiltAreReportedWithKeyAndLine) {
+  const TemporaryFolder folder;
+  const std::string zeros = "0.1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0";
+  const auto file = folder.write("rig.toml", tomlWith(zeros + ", 0, 0"));
+  EXPECT_EQ(readRig(file, RigUnits::kMetres).cameras[0].lens.distortion[0], 0.1);
+  for (const std::string& tail : {std::string(", 0.001, 0"), std::string(", 0, -0.02")}) {
+    folder.write("rig.toml", tomlWith(zeros + tail));
+    expectMentions(messageOf([&] { readRig(file, RigUnits::kMetres); }),
+                   {"rig.toml", "\"cam_0\"", "distortions (line 4)", "14 values", "thin prism", "airclay calibrate"});
+  }
+
+  writeEasyMocapFiles(folder, "dist_");
+  std::string intri = readWhole(folder / "intri.yml", 1 << 20);
+  const std::size_t key = intri.find("dist_02:"), data = intri.find("data: [", key);
+  const std::size_t shape = intri.find("cols: ", key);
+  ASSERT_LT(shape, data);
+  intri.replace(data, intri.find(']', data) - data, "data: [" + zeros + ", 0.001, 0.");
+  intri.replace(shape, 7, "cols: 14");
+  folder.write("intri.yml", intri);
+  const std::string line =
+      "dist_02 (line " + std::to_string(1 + std::count(intri.begin(), intri.begin() + long(key), '\n')) + ")";
+  expectMentions(messageOf([&] { readAnyRig(folder / "intri.yml", RigUnits::kAsWritten).validRig(); }),
+                 {"intri.yml", "\"02\"", line.c_str(), "airclay calibrate"});
+}
+
+TEST(RigFormats, EmptyMetadataIsAccepted) {
+  const TemporaryFolder folder;
+  for (const std::string metadata : {"[metadata]\n", "metadata = {}\n"}) {
+    const std::string text = metadata[0] == '[' ? tomlWith("0, 0, 0, 0") + metadata : metadata + tomlWith("0, 0, 0, 0");
+    expectOnAxes(readRig(folder.write("rig.toml", text), RigUnits::kMetres));
+    expectMentions(messageOf([&] { readRig(folder / "rig.toml"); }), {"rig.toml", "units is missing", "--units"});
+  }
+  const std::string camera_array = "[cameras.0]\ncam_id = 0\nrotation = [" +
+                                   std::string(kOnMinusX) + "]\n" + kCaliscopeLens +
+                                   "[cameras.1]\ncam_id = 1\nrotation = [" + kOnY + "]\n" +
+                                   kCaliscopeLens + "[metadata]\n";
+  expectOnAxes(readRig(folder.write("camera_array.toml", camera_array)));
+  writeEasyMocapFiles(folder, "dist_");
+  for (const char* metadata : {"metadata:\n", "metadata: {}\n"}) {
+    folder.write("intri.yml", readWhole(folder / "intri.yml", 1 << 20) + metadata);
+    EXPECT_TRUE(readAnyRig(folder / "intri.yml", RigUnits::kAsWritten).errors.empty()) << metadata;
+    writeEasyMocapFiles(folder, "dist_");
+  }
+  folder.write("rig.toml", tomlWith("0, 0, 0, 0") + "[metadata]\nunits = \"inch\"\n");
+  expectMentions(messageOf([&] { readRig(folder / "rig.toml"); }), {"units (line 15)", "\"mm\""});
+}
+
+TEST(RigFormats, LoopOfSymbolicLinksIsAnError) {
+  const TemporaryFolder folder;
+  for (const char* name : {"rig.toml", "loop"}) {
+    std::filesystem::create_symlink(name, folder / name);
+    const std::string message = messageOf([&] { readAnyRig(folder / name, RigUnits::kMetres); });
+    expectMentions(message, {name, "not a readable file"});
+  }
+  expectMentions(messageOf([&] { readAnyRig(folder.path(), RigUnits::kMetres); }),
+                 {"rig.toml", "not a readable file"});
 }
 
 TEST(RigFormats, MissingSizeComesFromTheImages) {

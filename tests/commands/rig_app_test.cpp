@@ -2,9 +2,11 @@
 // `airclay rig` as a user runs it: conversion between programs' files, and reported problems.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "capture/images/image_file.h"
+#include "engine/camera/rig_diagnostics.h"
 #include "engine/core/file_io.h"
 #include "engine/hull/silhouette_agreement.h"
 #include "tests/support/program.h"
@@ -65,6 +67,56 @@ TEST(CheckApp, ReportsWhatWouldBeRead) {
   EXPECT_EQ(take["frames"], 1);
   EXPECT_TRUE(take["has_silhouettes"].get<bool>());
   EXPECT_FALSE(take["has_truth"].get<bool>());
+}
+
+TEST(RigApp, AcceptsAnyNames) {
+  const TemporaryFolder folder;
+  const std::filesystem::path take = folder / "my take #1 \u00e9\u4e2d";
+  const std::vector<std::string> names = {"left cam", "#2", "Kamera \u00fc", "100% \"q\" 'x'"};
+  Rig rig = ringRig(4, 64, 48);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    rig.cameras[i].name = names[i];
+    std::filesystem::create_directories(take / names[i]);
+    for (const char* image : {"000000.png", "000001.png"})
+      writePng(take / names[i] / image, {64, 48}, std::vector<std::uint8_t>(64 * 48 * 4, 90));
+  }
+  writeRig(take / "rig.toml", rig);
+  const RunResult check = runAirclay({"check", take.string(), "--background", "1", "--json"});
+  ASSERT_EQ(check.status, 0) << check.errors << check.output;
+  const json report = json::parse(check.output);
+  EXPECT_EQ(report["frames"], 2);
+  for (std::size_t i = 0; i < names.size(); ++i) EXPECT_EQ(report["cameras"][i]["name"], names[i]);
+
+  for (const char* format : {"airclay", "anipose", "pose2sim"}) {
+    const std::string out = (take / (std::string("out #\u00fc ") + format + ".toml")).string();
+    const RunResult convert = runAirclay({"rig", "convert", take.string(), "--to", format, "--out", out});
+    ASSERT_EQ(convert.status, 0) << convert.errors;
+    const Rig found = readRig(out);
+    for (std::size_t i = 0; i < names.size(); ++i) EXPECT_EQ(found.cameras[i].name, names[i]) << format;
+  }
+}
+
+TEST(RigApp, ConvertsAnotherUpAxis) {
+  const RigAndTake scene;
+  writeRig(scene.folder / "y_down.toml", withUpAxis(scene.rig, Vec3::UnitY()));
+  const std::string file = (scene.folder / "y_down.toml").string(), out = (scene.folder / "out.toml").string();
+  const RunResult check = runAirclay({"rig", "check", file});
+  EXPECT_EQ(check.status, 0) << check.errors;
+  EXPECT_NE(check.output.find("--up=-y"), std::string::npos) << check.output;
+  EXPECT_NE(runAirclay({"check", file}).errors.find("--up=-y"), std::string::npos);
+  ASSERT_EQ(runAirclay({"rig", "convert", file, "--up=-y", "--to", "airclay", "--out", out}).status, 0);
+  EXPECT_EQ(runAirclay({"rig", "check", out}).output.find("--up"), std::string::npos);
+}
+
+TEST(RigApp, FolderThatCannotBeWrittenIsOneError) {
+  const RigAndTake scene;
+  for (const auto& [format, out] :
+       {std::pair{"airclay", "/proc/rig.toml"}, {"airclay", "/proc/airclay/rig.toml"}, {"easymocap", "/proc/rig"}}) {
+    const RunResult result = runAirclay({"rig", "convert", scene.file, "--to", format, "--out", out});
+    EXPECT_EQ(result.status, 1) << result.errors;
+    EXPECT_NE(result.errors.find(out), std::string::npos) << result.errors;
+    EXPECT_EQ(std::count(result.errors.begin(), result.errors.end(), '\n'), 1) << result.errors;
+  }
 }
 
 TEST(CheckApp, ListsEveryError) {
