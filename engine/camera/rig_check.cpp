@@ -165,8 +165,7 @@ std::string cameraNameOf(const std::string& name) {
 void checkDistortions(const CameraEntry& entry, const std::string& place, const std::string& where) {
   const std::vector<double>& k = entry.distortions;
   const size_t count = k.size();
-  const std::string has =
-      cameraIn(where, entry.name) + place + " has " + std::to_string(count) + " values";
+  const std::string has = cameraIn(where, entry.name) + place + " has " + std::to_string(count) + " values";
   const bool is_longer = !entry.fisheye && (count == 12 || count == 14);
   if (!is_longer && (entry.fisheye ? count != 4 : count != 4 && count != 5 && count != 8))
     throw Error(has + "; expected " + (entry.fisheye ? "4 (fisheye)" : "4, 5 or 8"));

@@ -354,11 +354,10 @@ std::optional<Vec3> axisNamed(std::string_view name) {
 
 Rig withUpAxis(const Rig& rig, const Vec3& up) {
   Pose new_from_old = Pose::Identity();
-  new_from_old.linear() = up.z() < -0.5 ? Mat3(Vec3(1, -1, -1).asDiagonal())
-                                        : Mat3(Eigen::Quaterniond::FromTwoVectors(up, Vec3::UnitZ())
-                                                   .toRotationMatrix()
-                                                   .array()
-                                                   .round());
+  new_from_old.linear() =
+      up.z() < -0.5
+          ? Mat3(Vec3(1, -1, -1).asDiagonal())
+          : Mat3(Eigen::Quaterniond::FromTwoVectors(up, Vec3::UnitZ()).toRotationMatrix().array().round());
   Rig result = rig;
   for (Camera& camera : result.cameras)
     camera.camera_from_world = camera.camera_from_world * new_from_old.inverse();

@@ -279,8 +279,8 @@ std::string tomlWith(const std::string& distortions) {
   return "[cam_0]\nsize = [640, 480]\nmatrix = [[560, 0, 320], [0, 560, 240], [0, 0, 1]]\ndistortions = [" +
          distortions + "]\nrotation = [" + kOnMinusX +
          "]\ntranslation = [0, 0, 1.2]\n\n[cam_1]\nsize = [640, 480]\n" +
-         "matrix = [[560, 0, 320], [0, 560, 240], [0, 0, 1]]\ndistortions = [0, 0, 0, 0]\nrotation = [" + kOnY +
-         "]\ntranslation = [0, 0, 1.2]\n";
+         "matrix = [[560, 0, 320], [0, 560, 240], [0, 0, 1]]\ndistortions = [0, 0, 0, 0]\nrotation = [" +
+         kOnY + "]\ntranslation = [0, 0, 1.2]\n";
 }
 
 TEST(RigFormats, ThinPrismAndTiltAreReportedWithKeyAndLine) {
@@ -290,8 +290,9 @@ TEST(RigFormats, ThinPrismAndTiltAreReportedWithKeyAndLine) {
   EXPECT_EQ(readRig(file, RigUnits::kMetres).cameras[0].lens.distortion[0], 0.1);
   for (const std::string& tail : {std::string(", 0.001, 0"), std::string(", 0, -0.02")}) {
     folder.write("rig.toml", tomlWith(zeros + tail));
-    expectMentions(messageOf([&] { readRig(file, RigUnits::kMetres); }),
-                   {"rig.toml", "\"cam_0\"", "distortions (line 4)", "14 values", "thin prism", "airclay calibrate"});
+    expectMentions(
+        messageOf([&] { readRig(file, RigUnits::kMetres); }),
+        {"rig.toml", "\"cam_0\"", "distortions (line 4)", "14 values", "thin prism", "airclay calibrate"});
   }
 
   writeEasyMocapFiles(folder, "dist_");
@@ -311,13 +312,14 @@ TEST(RigFormats, ThinPrismAndTiltAreReportedWithKeyAndLine) {
 TEST(RigFormats, EmptyMetadataIsAccepted) {
   const TemporaryFolder folder;
   for (const std::string metadata : {"[metadata]\n", "metadata = {}\n"}) {
-    const std::string text = metadata[0] == '[' ? tomlWith("0, 0, 0, 0") + metadata : metadata + tomlWith("0, 0, 0, 0");
+    const std::string text =
+        metadata[0] == '[' ? tomlWith("0, 0, 0, 0") + metadata : metadata + tomlWith("0, 0, 0, 0");
     expectOnAxes(readRig(folder.write("rig.toml", text), RigUnits::kMetres));
-    expectMentions(messageOf([&] { readRig(folder / "rig.toml"); }), {"rig.toml", "units is missing", "--units"});
+    expectMentions(messageOf([&] { readRig(folder / "rig.toml"); }),
+                   {"rig.toml", "units is missing", "--units"});
   }
-  const std::string camera_array = "[cameras.0]\ncam_id = 0\nrotation = [" +
-                                   std::string(kOnMinusX) + "]\n" + kCaliscopeLens +
-                                   "[cameras.1]\ncam_id = 1\nrotation = [" + kOnY + "]\n" +
+  const std::string camera_array = "[cameras.0]\ncam_id = 0\nrotation = [" + std::string(kOnMinusX) + "]\n" +
+                                   kCaliscopeLens + "[cameras.1]\ncam_id = 1\nrotation = [" + kOnY + "]\n" +
                                    kCaliscopeLens + "[metadata]\n";
   expectOnAxes(readRig(folder.write("camera_array.toml", camera_array)));
   writeEasyMocapFiles(folder, "dist_");

@@ -99,7 +99,8 @@ TEST(RigApp, AcceptsAnyNames) {
 TEST(RigApp, ConvertsAnotherUpAxis) {
   const RigAndTake scene;
   writeRig(scene.folder / "y_down.toml", withUpAxis(scene.rig, Vec3::UnitY()));
-  const std::string file = (scene.folder / "y_down.toml").string(), out = (scene.folder / "out.toml").string();
+  const std::string file = (scene.folder / "y_down.toml").string(),
+                    out = (scene.folder / "out.toml").string();
   const RunResult check = runAirclay({"rig", "check", file});
   EXPECT_EQ(check.status, 0) << check.errors;
   EXPECT_NE(check.output.find("--up=-y"), std::string::npos) << check.output;
@@ -110,8 +111,9 @@ TEST(RigApp, ConvertsAnotherUpAxis) {
 
 TEST(RigApp, FolderThatCannotBeWrittenIsOneError) {
   const RigAndTake scene;
-  for (const auto& [format, out] :
-       {std::pair{"airclay", "/proc/rig.toml"}, {"airclay", "/proc/airclay/rig.toml"}, {"easymocap", "/proc/rig"}}) {
+  for (const auto& [format, out] : {std::pair{"airclay", "/proc/rig.toml"},
+                                    {"airclay", "/proc/airclay/rig.toml"},
+                                    {"easymocap", "/proc/rig"}}) {
     const RunResult result = runAirclay({"rig", "convert", scene.file, "--to", format, "--out", out});
     EXPECT_EQ(result.status, 1) << result.errors;
     EXPECT_NE(result.errors.find(out), std::string::npos) << result.errors;
