@@ -121,6 +121,23 @@ TEST(RigApp, FolderThatCannotBeWrittenIsOneError) {
   }
 }
 
+TEST(CheckApp, ReportsLoopsOfSymbolicLinks) {
+  const RigAndTake scene;
+  const std::filesystem::path take = scene.take;
+  std::filesystem::copy_file(scene.file, take / "rig.toml");
+  std::filesystem::create_directory_symlink("..", take / "silhouettes" / "cam0" / "up");
+  EXPECT_EQ(runAirclay({"check", scene.take}).status, 0);  // a folder in itself is not followed
+  std::filesystem::create_directory(take / "cam0");
+  std::filesystem::create_symlink("000000.png", take / "cam0" / "000000.png");
+  for (const char* loop : {"cam0/000000.png", "rig.toml"}) {
+    const RunResult result = runAirclay({"check", scene.take});
+    EXPECT_EQ(result.status, 1) << result.output;
+    EXPECT_NE(result.errors.find(loop), std::string::npos) << result.errors;
+    std::filesystem::remove(take / "rig.toml");
+    std::filesystem::create_symlink("rig.toml", take / "rig.toml");
+  }
+}
+
 TEST(CheckApp, ListsEveryError) {
   const RigAndTake scene;
   const std::string file = scene.changed("bad.toml", "distortions", "distortion");
