@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "capture/calibration/board_advice.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "capture/calibration/aruco_dictionary.h"
+#include "engine/core/median.h"
 
 namespace airclay {
 namespace {
@@ -15,8 +17,16 @@ constexpr double kComfortM = 0.005;
 constexpr std::pair<int, int> kGrids[] = {{9, 6}, {8, 6}, {8, 5}, {7, 5}, {6, 5},
                                           {6, 4}, {5, 4}, {5, 3}, {4, 3}, {3, 3}};
 
+// Drawn boards of 0.9 of the required size still calibrate; smaller ones are called too small.
+constexpr double kSmall = 0.83;
+
+/// Cells along a marker's side, with its border.
+int markerCells(const Board& board) {
+  return board.chessboard ? 1 : arucoDictionary(board.dictionary)->bits + 2;
+}
+
 double cellM(const Board& board) {
-  return board.chessboard ? board.square_m : board.marker_m / (arucoDictionary(board.dictionary)->bits + 2);
+  return (board.chessboard ? board.square_m : board.marker_m) / markerCells(board);
 }
 
 /// The board of so many squares, as large as the page allows.
@@ -35,6 +45,23 @@ std::optional<Board> onPage(const Board& requested, std::pair<int, int> grid, Pa
   return board;
 }
 
+/// The side of a square in pixels, along the direction that the board's tilt shortens less. Empty without two
+/// neighbouring corners.
+std::optional<double> squarePixels(const Board& board, const BoardView& view) {
+  std::vector<double> along_rows_px, along_columns_px;
+  for (std::size_t i = 0; i < view.ids.size(); ++i)
+    for (std::size_t j = i + 1; j < view.ids.size(); ++j) {
+      const int a = view.ids[i], b = view.ids[j];
+      const double side_px = (view.pixels[i] - view.pixels[j]).norm();
+      if (b == a + 1 && b % board.cornersX() != 0) along_rows_px.push_back(side_px);
+      if (b == a + board.cornersX()) along_columns_px.push_back(side_px);
+    }
+  std::optional<double> longest_px;
+  for (const std::vector<double>& sides_px : {along_rows_px, along_columns_px})
+    if (!sides_px.empty()) longest_px = std::max(longest_px.value_or(0), median(sides_px));
+  return longest_px;
+}
+
 }  // namespace
 
 double focalOf(int width, double fov_degrees) {
@@ -47,6 +74,32 @@ double cellPixels(const Board& board, const BoardSight& sight) {
 
 double leastCellPixels(const Board& board) {
   return board.chessboard ? 10 : 3;
+}
+
+std::optional<double> markerPixels(const Board& board, std::span<const BoardView* const> views) {
+  std::vector<double> squares_px;
+  for (const BoardView* view : views)
+    if (const std::optional<double> side_px = squarePixels(board, *view)) squares_px.push_back(*side_px);
+  if (squares_px.empty()) return std::nullopt;
+  return median(squares_px) * (board.chessboard ? 1 : board.marker_m / board.square_m);
+}
+
+double leastMarkerPixels(const Board& board) {
+  return leastCellPixels(board) * markerCells(board);
+}
+
+std::string describeSmallBoard(const Board& board, double marker_px) {
+  const double least_px = leastMarkerPixels(board);
+  if (marker_px >= kSmall * least_px) return "";
+  const auto tenths = [](double value) {
+    const std::string text = std::to_string(std::ceil(10 * value) / 10);
+    return text.substr(0, text.find('.') + 2);
+  };
+  const std::string parts = board.chessboard ? "squares" : "markers";
+  return "the board is too small in the image: the sides of its " + parts + " measure " +
+         std::to_string(std::lround(std::floor(marker_px))) + " px, and at least " +
+         std::to_string(std::lround(std::ceil(least_px))) + " px are needed; hold it closer, print its " +
+         parts + " " + tenths(least_px / marker_px) + " times as large, or record at a higher resolution";
 }
 
 std::optional<BoardProposal> readableBoard(const Board& requested, const BoardSight& sight, Page page) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
 #include "capture/calibration/board_image.h"
 
@@ -23,6 +24,17 @@ double cellPixels(const Board& board, const BoardSight& sight);
 /// What cellPixels() must be at least: 3 for a cell (at 2, on boards held aslant, one marker of four is no
 /// longer read in drawn images, and real ones are worse); 10 for a square.
 double leastCellPixels(const Board& board);
+
+/// The side of a marker (of a chessboard: of a square) in pixels, along the direction that the board's tilt
+/// shortens less; the median over all views. Empty without two neighbouring corners.
+std::optional<double> markerPixels(const Board& board, std::span<const BoardView* const> views);
+
+/// What markerPixels() must be at least: leastCellPixels() times the cells of a marker.
+double leastMarkerPixels(const Board& board);
+
+/// "the board is too small in the image: ...", with the measured and the required size; empty if its markers
+/// have 0.83 of leastMarkerPixels() or more, which suffices for sharp images.
+std::string describeSmallBoard(const Board& board, double marker_px);
 
 struct BoardProposal {
   Board board;

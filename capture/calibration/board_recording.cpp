@@ -13,6 +13,7 @@
 #include <set>
 #include <thread>
 
+#include "capture/calibration/board_advice.h"
 #include "capture/images/video_reader.h"
 #include "capture/takes/timestamps.h"
 #include "engine/camera/camera_name.h"
@@ -56,9 +57,11 @@ std::vector<std::string> cameraNames(const path& folder) {
   std::set<std::string> names;
   for (const std::filesystem::directory_entry& entry : entries) {
     const std::string name = entry.path().filename().string();
-    if (entry.is_regular_file() && isVideoName(name)) names.insert(entry.path().stem().string());
+    std::error_code unreadable;  // a loop of symbolic links
+    if (entry.is_regular_file(unreadable) && isVideoName(name)) names.insert(entry.path().stem().string());
     const bool is_of_take = name == "background" || name == "silhouettes";
-    if (entry.is_directory() && !is_of_take && !numberedImages(entry.path()).empty()) names.insert(name);
+    if (entry.is_directory(unreadable) && !is_of_take && !numberedImages(entry.path()).empty())
+      names.insert(name);
   }
   if (names.size() < 2 || names.size() > static_cast<std::size_t>(kMaxCameras))
     throw Error(folder.string() + ": it holds the frames of " + std::to_string(names.size()) +
@@ -151,6 +154,7 @@ struct BoardRecording::Parts {
   void matchFrames();
   std::vector<int> instantsToSearch(const BoardSearch& search) const;
   [[noreturn]] void failUnseen(const Board& board);
+  void checkSize(RecordedCamera& camera, const BoardDetector& detector) const;
 };
 
 void BoardRecording::Parts::matchFrames() {
@@ -195,6 +199,29 @@ std::vector<int> BoardRecording::Parts::instantsToSearch(const BoardSearch& sear
   for (int instant = 0; instant < frame_count; instant += every) instants.insert(instant);
   if (search.also) instants.insert(*search.also);
   return {instants.begin(), instants.end()};
+}
+
+/// Searches some frames enlarged, which also finds boards that are too small to be found in the frames
+/// themselves. \throw Error if those are too small.
+void BoardRecording::Parts::checkSize(RecordedCamera& camera, const BoardDetector& detector) const {
+  constexpr int kFramesTried = 9, kEnlarged = 3;
+  const ImageSize size = camera.source->size();
+  if (kEnlarged * std::max(size.width, size.height) > kMaxImageSide) return;
+  cv::Mat bgr(size.height, size.width, CV_8UC3), large;
+  std::vector<BoardView> views;
+  for (int i = 0; i < kFramesTried; ++i) {
+    camera.source->read(i * (camera.source->frameCount() - 1) / kFramesTried, {bgr.data, bgr.total() * 3});
+    cv::resize(bgr, large, {}, kEnlarged, kEnlarged, cv::INTER_CUBIC);
+    if (std::optional<BoardView> view =
+            detector.find({large.cols, large.rows}, PixelFormat::kBgr8, {large.data, large.total() * 3}))
+      views.push_back(std::move(*view));
+  }
+  std::vector<const BoardView*> pointers;
+  for (const BoardView& view : views) pointers.push_back(&view);
+  const std::optional<double> enlarged_px = markerPixels(detector.board(), pointers);
+  const std::string reason =
+      enlarged_px ? describeSmallBoard(detector.board(), *enlarged_px / kEnlarged) : "";
+  if (!reason.empty()) throw Error(folder.string() + ": camera \"" + camera.name + "\": " + reason);
 }
 
 void BoardRecording::Parts::failUnseen(const Board& board) {
@@ -326,6 +353,9 @@ std::vector<CameraViews> BoardRecording::findBoards(const BoardDetector& detecto
                 std::to_string(parts_->frame_count - 1) + " would be right");
   std::vector<CameraViews> found =
       Search(parts_->cameras, detector, parts_->instantsToSearch(search)).run(search.threads);
+  for (std::size_t c = 0; c < found.size(); ++c)
+    if (static_cast<int>(found[c].views.size()) < kFewestViews)
+      parts_->checkSize(parts_->cameras[c], detector);
   if (std::all_of(found.begin(), found.end(), [](const CameraViews& camera) { return camera.views.empty(); }))
     parts_->failUnseen(detector.board());
   return found;

@@ -34,8 +34,8 @@ class BoardRecording {
   const std::vector<std::string>& notes() const;
 
   /// Looks for the board in all cameras. Tells the calling thread's reportProgress().
-  /// \throw Error when no camera saw it at all, with what was seen instead where that is known; or when a
-  /// frame cannot be decoded.
+  /// \throw Error when no camera saw it at all, with what was seen instead where that is known; when a camera
+  /// hardly finds it because it is too small in the image; or when a frame cannot be decoded.
   std::vector<CameraViews> findBoards(const BoardDetector& detector, const BoardSearch& search = {});
 
  private:

@@ -28,6 +28,18 @@ Rig rigFrom(const Bundle& bundle, const std::vector<CameraViews>& cameras,
   return rig;
 }
 
+Bundle placedBundle(const Board& board, const std::vector<CameraViews>& cameras,
+                    const CalibrationOptions& options) {
+  Bundle bundle = gatherViews(board, cameras, {kFewestViews, 30});
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    const double done = kLensesShare * static_cast<double>(c) / static_cast<double>(cameras.size());
+    bundle.cameras.push_back(fitLens({cameras[c], viewsOf(bundle, c), done}, options));
+  }
+  reportProgress(kLensesShare);
+  placeAll(bundle, cameras, false);
+  return bundle;
+}
+
 }  // namespace
 
 Calibration calibrate(const Board& board, const std::vector<CameraViews>& cameras,
@@ -36,14 +48,14 @@ Calibration calibrate(const Board& board, const std::vector<CameraViews>& camera
     throw Error("a rig of " + std::to_string(cameras.size()) +
                 (cameras.size() == 1 ? " camera" : " cameras") + " cannot be calibrated; expected 2 to " +
                 std::to_string(kMaxCameras));
-  Bundle bundle = gatherViews(board, cameras, {kFewestViews, 30});
-  Calibration calibration;
-  for (std::size_t c = 0; c < cameras.size(); ++c) {
-    const double done = kLensesShare * static_cast<double>(c) / static_cast<double>(cameras.size());
-    bundle.cameras.push_back(fitLens({cameras[c], viewsOf(bundle, c), done}, options));
+  Bundle bundle;
+  try {
+    bundle = placedBundle(board, cameras, options);
+  } catch (const Error&) {
+    checkBoardSize(board, cameras);
+    throw;
   }
-  reportProgress(kLensesShare);
-  placeAll(bundle, cameras, false);
+  Calibration calibration;
 
   const BundleView& world = worldView(bundle, options.world_frame);
   calibration.world_frame = world.frame;

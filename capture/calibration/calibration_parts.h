@@ -122,6 +122,10 @@ struct ViewsNeeded {
 /// camera with too few views.
 Bundle gatherViews(const Board& board, const std::vector<CameraViews>& cameras, const ViewsNeeded& needed);
 
+/// \throw Error naming the camera that shows the board smallest and the size that is needed, if that is too
+/// small. Called when a calibration fails, because inaccurate corners are then the likely cause.
+void checkBoardSize(const Board& board, const std::vector<CameraViews>& cameras);
+
 /// Estimates the poses of cameras and boards, given the lenses: chains the cameras, adjusts everything,
 /// trusts the corners that fit, and gives contradictory views separate stands. \throw Error naming cameras
 /// that are not connected.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "capture/calibration/board_advice.h"
 #include "capture/calibration/calibration_parts.h"
 #include "engine/core/error.h"
 #include "engine/core/median.h"
@@ -153,6 +154,19 @@ Bundle gatherViews(const Board& board, const std::vector<CameraViews>& cameras, 
   }
   bundle.world_from_board.resize(stand_of_frame.size(), Pose::Identity());
   return bundle;
+}
+
+void checkBoardSize(const Board& board, const std::vector<CameraViews>& cameras) {
+  double smallest_px = std::numeric_limits<double>::infinity();
+  std::string name;
+  for (const CameraViews& camera : cameras) {
+    std::vector<const BoardView*> views;
+    for (const auto& [frame, view] : camera.views) views.push_back(&view);
+    const std::optional<double> marker_px = markerPixels(board, views);
+    if (marker_px && *marker_px < smallest_px) smallest_px = *marker_px, name = camera.name;
+  }
+  const std::string reason = describeSmallBoard(board, smallest_px);
+  if (!reason.empty()) throw Error("camera \"" + name + "\": " + reason);
 }
 
 std::vector<int> sharersOfStands(const Bundle& bundle) {

@@ -388,10 +388,16 @@ Recalibration recalibrate(const Board& board, const Rig& rig, const std::vector<
                           const RecalibrationOptions& options) {
   checkSameCameras(rig, cameras);
   const std::vector<CameraViews> views = inRigsOrder(rig, cameras);
-  Bundle bundle = gatherViews(board, views, {kFewestShared, 10});
-  addCameras(bundle, rig);
-  placeAll(bundle, views, true);
-  checkShared(bundle, rig);
+  Bundle bundle;
+  try {
+    bundle = gatherViews(board, views, {kFewestShared, 10});
+    addCameras(bundle, rig);
+    placeAll(bundle, views, true);
+    checkShared(bundle, rig);
+  } catch (const Error&) {
+    checkBoardSize(board, views);
+    throw;
+  }
 
   Recalibration found;
   Calibration& calibration = found.calibration;

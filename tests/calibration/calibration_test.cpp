@@ -287,6 +287,52 @@ TEST_F(RecordingTest, RenderedImagesGiveTheRig) {
     EXPECT_NE(message.find(word), std::string::npos) << message;
 }
 
+/// The a3Board() in front of two cameras that are 1.1 m away, scaled so that its markers are about
+/// `marker_px` wide.
+struct SmallBoardScene {
+  Rig rig = ringRig(4, 640, 480);
+  Board board = a3Board();
+  std::vector<Pose> boards;
+
+  SmallBoardScene(double marker_px, int frames) {
+    rig.cameras.resize(2);
+    const Camera& camera = rig.cameras[0];
+    const double distance_m = (camera.camera_from_world * rig.workspace.center).z();
+    board.marker_m = marker_px * distance_m / camera.lens.fx;
+    board.square_m = board.marker_m * 55 / 41;
+    Wave wave;
+    wave.frames = frames;
+    boards = wavedBoards(rig, board, wave);
+  }
+};
+
+void expectTooSmall(const std::string& message) {
+  for (const char* part : {"camera \"cam", "too small in the image", "markers measure", "at least 18 px"})
+    EXPECT_NE(message.find(part), std::string::npos) << message;
+  EXPECT_EQ(message.find('\n'), std::string::npos);
+}
+
+TEST_F(RecordingTest, ReportsBoardThatIsTooSmall) {
+  for (const double marker_px : {14.0, 7.0}) {
+    const SmallBoardScene scene(marker_px, 12);
+    const TemporaryFolder small;
+    drawImages(small.path(), scene.rig, scene.board, scene.boards);
+    BoardRecording recording(small.path());
+    expectTooSmall(
+        messageOf([&] { calibrate(scene.board, recording.findBoards(BoardDetector(scene.board))); }));
+  }
+}
+
+/// Too small a board yields inaccurate corners, so that no two cameras agree.
+TEST(Calibration, ReportsSmallBoardInsteadOfDisagreement) {
+  Scene scene;
+  for (CameraViews& camera : scene.views)
+    for (auto& [frame, view] : camera.views)
+      for (Vec2& pixel : view.pixels) pixel *= 0.6;
+  while (scene.views[2].views.size() > 5) scene.views[2].views.erase(scene.views[2].views.begin());
+  expectTooSmall(messageOf([&] { scene.calibrated(); }));
+}
+
 TEST_F(RecordingTest, ProgramWritesTheRig) {
   Wave wave;
   wave.frames = 32;
