@@ -202,8 +202,8 @@ void Panels::drawTools(const DocumentView& document, PanelRequests& requests) {
 void Panels::drawToolSettings(ToolChoice& choice, float width) {
   for (std::size_t i = 0; i < choice.values().size(); ++i) {
     const ToolSetting& setting = choice.tool().settings[i];
-    const std::string format =
-        std::string(setting.name) + (*setting.unit ? "  %.0f " + std::string(setting.unit) : "  %.1f");
+    const std::string format = *setting.unit ? "%.0f " + std::string(setting.unit) : "%.1f";
+    ImGui::TextDisabled("%s", setting.name);
     float value = static_cast<float>(choice.values()[i]);
     ImGui::SetNextItemWidth(width);
     if (ImGui::SliderFloat((std::string("##") + choice.tool().id + setting.id).c_str(), &value,
