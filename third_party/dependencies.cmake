@@ -5,9 +5,10 @@ find_program(GLSLANG_VALIDATOR glslangValidator REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(nlohmann_json 3.11 REQUIRED)
 find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc imgcodecs videoio calib3d aruco)
-find_package(PkgConfig REQUIRED)  # GStreamer has no CMake package
+find_package(PkgConfig REQUIRED)  # GStreamer and FFmpeg have no CMake packages
 pkg_check_modules(GSTREAMER REQUIRED IMPORTED_TARGET
   gstreamer-rtsp-server-1.0>=1.22 gstreamer-app-1.0 gstreamer-video-1.0 gio-2.0)
+pkg_check_modules(LIBAV REQUIRED IMPORTED_TARGET libavformat>=59 libavcodec libavutil)
 find_package(Ceres 2.1 REQUIRED)
 find_package(SQLite3 3.37 REQUIRED)
 find_package(CLI11 REQUIRED)

@@ -60,15 +60,10 @@ std::vector<LiveCamera> CameraOptions::live(const std::vector<NamedSource>& sour
   std::vector<LiveCamera> all;
   for (const NamedSource& source : sources) all.push_back(liveCamera(source, sourceOptions()));
   for (const std::string& text : offsets) {
-    const std::size_t equals = text.find('=');
-    const auto found = std::find_if(all.begin(), all.end(), [&](const LiveCamera& camera) {
-      return camera.name == text.substr(0, equals);
-    });
-    const std::optional<double> offset_ms =
-        equals == std::string::npos ? std::nullopt : parseNumber(text.substr(equals + 1));
-    if (!offset_ms || found == all.end())
-      refuse("--offset", text, "NAME=MS with the name of a --camera, as left=12.5,");
-    found->offset_s = *offset_ms / 1000;
+    const auto [name, offset_s] = parseOffset(text);
+    const auto found = std::ranges::find(all, name, &LiveCamera::name);
+    if (found == all.end()) refuse("--offset", text, "NAME=MS with the name of a --camera, as left=12.5,");
+    found->offset_s = offset_s;
   }
   return all;
 }
@@ -80,6 +75,22 @@ LiveOptions CameraOptions::liveOptions(LiveOptions::Sets sets) const {
     refuse("--max-skew-ms", exactNumber(*max_skew_ms), "above 0 and at most 1000");
   if (max_skew_ms) options.max_skew_s = *max_skew_ms / 1000;
   return options;
+}
+
+std::pair<std::string, double> parseOffset(const std::string& text) {
+  const std::size_t equals = text.rfind('=');
+  const std::optional<double> offset_ms =
+      equals == std::string::npos ? std::nullopt : parseNumber(text.substr(equals + 1));
+  if (!offset_ms || equals == 0) refuse("--offset", text, "NAME=MS with the name of a camera, as left=12.5,");
+  return {text.substr(0, equals), *offset_ms / 1000};
+}
+
+void addOffsetOption(CLI::App& command, std::vector<std::string>& offsets) {
+  if (command.get_option_no_throw("--offset")) return;
+  command
+      .add_option("--offset", offsets, "milliseconds by which a camera's timestamps are late, once per camera [0]")
+      ->type_name("NAME=MS")
+      ->allow_extra_args(false);
 }
 
 void addCameraOptions(CLI::App& command, CameraOptions& options) {
@@ -100,11 +111,7 @@ void addCameraOptions(CLI::App& command, CameraOptions& options) {
   command.add_option("--exposure", options.exposure, "lock the exposure, in the driver's unit")
       ->type_name("N");
   command.add_option("--gain", options.gain, "lock the gain, in the driver's unit")->type_name("N");
-  CLI::Option* offset =
-      command.add_option("--offset", options.offsets,
-                         "milliseconds by which a camera's timestamps are late, once per camera [0]");
-  offset->type_name("NAME=MS");
-  one(offset);
+  addOffsetOption(command, options.offsets);
   command
       .add_option("--max-skew-ms", options.max_skew_ms,
                   "maximum time between the images of a set [half a frame; while recording: one frame]")

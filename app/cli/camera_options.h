@@ -33,6 +33,11 @@ struct CameraOptions {
   LiveOptions liveOptions(LiveOptions::Sets sets) const;
 };
 
+/// Parses NAME=MS: the camera's name and the offset in seconds. \throw Error (Fault::kUsage)
+std::pair<std::string, double> parseOffset(const std::string& text);
+/// --offset, unless the command already has it.
+void addOffsetOption(CLI::App& command, std::vector<std::string>& offsets);
+
 /// --camera, --mode, --format, --exposure, --gain, --offset, --max-skew-ms, --loop.
 void addCameraOptions(CLI::App& command, CameraOptions& options);
 

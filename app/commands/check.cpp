@@ -8,6 +8,7 @@
 #include "app/cli/cage_options.h"
 #include "app/cli/command.h"
 #include "app/session/take_options.h"
+#include "capture/images/video_index.h"
 #include "capture/images/video_reader.h"
 #include "capture/takes/rig_opencv.h"
 #include "engine/core/error.h"
@@ -79,7 +80,7 @@ void checkRigAlone(const CheckInputOptions& options, Findings& findings) {
 
 void checkFrames(const std::filesystem::path& folder, Camera& camera, Findings& findings) {
   ordered_json facts{{"name", camera.name}};
-  std::vector<std::string> row{camera.name, "none", "", ""};
+  std::vector<std::string> row{camera.name, "none", "", "", "", ""};
   findings.collect([&] {
     const std::unique_ptr<FrameSource> source = openFrames(folder, camera.name);
     if (!source) return;
@@ -87,9 +88,12 @@ void checkFrames(const std::filesystem::path& folder, Camera& camera, Findings& 
     facts.update({{"width", size.width},
                   {"height", size.height},
                   {"frames", source->frameCount()},
-                  {"rate_hz", source->rateHz()}});
+                  {"rate_hz", source->rateHz()},
+                  {"pixels", source->pixelFormat()}});
+    if (!source->timesS().empty()) facts["missing_frames"] = missingFrames(source->timesS());
     row = {camera.name, sizeText(size.width, size.height), std::to_string(source->frameCount()),
-           fixed(source->rateHz(), 2)};
+           fixed(source->rateHz(), 2), source->pixelFormat(),
+           source->timesS().empty() ? "" : std::to_string(missingFrames(source->timesS()))};
     if (camera.width <= 0 || camera.height <= 0) camera.width = size.width, camera.height = size.height;
   });
   findings.facts["cameras"].push_back(facts);
@@ -100,7 +104,7 @@ void checkTake(const CheckInputOptions& options, Findings& findings) {
   const std::filesystem::path folder = options.input.folder;
   const std::optional<std::filesystem::path> file = rigFileIn(folder);
   if (file) {
-    findings.table.push_back({"camera", "size", "frames", "Hz"});
+    findings.table.push_back({"camera", "size", "frames", "Hz", "pixels", "missing"});
     findings.collect([&] {
       Rig rig = checkRigFile(*file, parseUnits(options.input.units), findings);
       for (Camera& camera : rig.cameras) checkFrames(folder, camera, findings);
@@ -109,10 +113,7 @@ void checkTake(const CheckInputOptions& options, Findings& findings) {
   }
   // The last say is that of the reader itself.
   findings.collect([&] {
-    TakeOptions take_options;
-    take_options.units = parseUnits(options.input.units);
-    take_options.background_frames = options.input.background_frames;
-    const Take take(folder, take_options);
+    const Take take(folder, options.input.takeOptions());
     if (take.note()) findings.warnings.push_back(*take.note());
     findings.facts.update({{"frames", take.frameCount()},
                            {"rate_hz", take.rateHz()},

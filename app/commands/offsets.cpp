@@ -49,9 +49,11 @@ std::vector<MotionSeries> motionIn(const OffsetsOptions& options, Take& take) {
   for (int frame = 0; const std::optional<PlayedFrame> played = player.next(); ++frame) {
     progress.advance();
     if (played->background) continue;
-    const std::vector<double> times_s = take.cameraTimesOf(played->frame);
+    std::vector<double> times_s = take.cameraTimesOf(played->frame);
+    if (times_s.empty()) times_s.assign(series.size(), take.timeOf(played->frame));
     const std::vector<Mask> masks = pipeline.gpuRig().unpack(pipeline.silhouettes().masks().host());
     for (std::size_t c = 0; c < series.size(); ++c) {
+      if (take.missingCameras() >> c & 1) continue;
       const std::optional<Vec2> centroid = centroidOf(masks[c]);
       if (!centroid || (!series[c].times_s.empty() && times_s[c] <= series[c].times_s.back())) continue;
       series[c].times_s.push_back(times_s[c]);
@@ -64,10 +66,6 @@ std::vector<MotionSeries> motionIn(const OffsetsOptions& options, Take& take) {
 void runOffsets(const OffsetsOptions& options) {
   checkVoxels(options.voxels);
   Take take = options.take.open();
-  if (take.cameraTimesOf(0).empty())
-    throw Error(options.take.folder +
-                ": its cameras have no timestamps of their own; a recording with timestamps.csv, as `airclay "
-                "record` makes it, would be right");
   const ClockOffsets found = estimateClockOffsets(take.rig(), motionIn(options, take));
   nlohmann::ordered_json cameras = nlohmann::ordered_json::array();
   std::vector<std::vector<std::string>> rows = {{"CAMERA", "TOO LATE BY", "SURE TO"}};
@@ -81,7 +79,7 @@ void runOffsets(const OffsetsOptions& options) {
   }
   if (options.json) printJson({{"cameras", cameras}});
   if (options.printsMessages()) printTable(rows);
-  printLine(options, offsets.empty() ? "the cameras' clocks agree" : "for live cameras, use:" + offsets);
+  printLine(options, offsets.empty() ? "the cameras' clocks agree" : "use:" + offsets);
 }
 
 }  // namespace

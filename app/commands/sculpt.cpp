@@ -200,6 +200,7 @@ void sculptLive(const SculptOptions& options) {
   controlsFrom(options);  // checks the options before anything opens
   const Rig rig = readRig(options.rig, parseUnits(options.take.units));
   CameraOptions cameras = options.cameras;
+  cameras.offsets = options.take.offsets;  // one option for cameras and takes
   cameras.usual_size = ImageSize{rig.cameras[0].width, rig.cameras[0].height};
   CommandGpu gpu(options);  // takes half a second; cameras must not run meanwhile
   LiveRecording recording(rig, cameras.live(inOrderOf(rig, cameras.sources())),
@@ -253,9 +254,7 @@ void replay(SculptOptions options) {
   options.take.background_frames = std::max(1, head.background_frames);
   std::optional<Take> take;
   if (!head.by_mouse) {
-    TakeOptions excerpt;
-    excerpt.max_frames = static_cast<int>(replay.actions.steps.size());
-    take.emplace(options.take.open(excerpt));
+    take.emplace(options.take.open(static_cast<int>(replay.actions.steps.size())));
   }
   Job job = jobFor(options, take ? &*take : nullptr, take ? take->rig() : readRig(folder / "rig.toml"));
   job.session.replay = &replay;
@@ -407,9 +406,8 @@ void addSculpt(CLI::App& program, int&) {
       "  airclay sculpt --rig rig.toml --camera left=0 --camera right=2\n"
       "  airclay sculpt TAKE --record mine; airclay sculpt mine --headless --out out/again");
   command->callback([options, command] {
-    for (const char* name :
-         {"--clay", "--clay-units", "--clay-up", "--place", "--size", "--levels", "--rule", "--solve",
-          "--hand", "--tool", "--symmetry", "--no-filter", "--voxels", "--background", "--record"})
+    for (const char* name : {"--clay", "--clay-units", "--clay-up", "--place", "--size", "--levels", "--rule", "--solve", "--hand",
+                             "--tool", "--symmetry", "--no-filter", "--voxels", "--background", "--offset", "--record"})
       if (command->count(name) > 0) options->not_for_replay.push_back(name);
     acceptDocumentAsTake(*options, command->count("--clay") > 0);
     runSculpt(*options);

@@ -20,7 +20,9 @@ set(AIRCLAY_INTERNAL_HEADERS
   engine/render/renderer_parts.h
   engine/validation/bench_peers.h
   capture/images/quiet_opencv.h
-  capture/cameras/frame_matcher.h
+  capture/images/video_index.h
+  capture/takes/frame_matcher.h
+  capture/takes/image_sets.h
   capture/cameras/gstreamer_objects.h
   capture/cameras/gstreamer_source.h
   capture/cameras/live_feed.h

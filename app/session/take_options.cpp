@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "app/cli/camera_options.h"
 #include "app/cli/command.h"
 #include "app/session/actions.h"
 #include "engine/silhouette/silhouette.h"
@@ -27,13 +28,24 @@ void addTakeOptions(CLI::App& command, TakeInputOptions& options) {
                   "background/ [10]")
       ->check(CLI::Range(1, static_cast<int>(kMaxLearnFrames)).description(""))
       ->type_name("N");
+  addOffsetOption(command, options.offsets);
 }
 
-Take TakeInputOptions::open(const TakeOptions& options) const {
-  TakeOptions whole = options;
-  whole.units = parseUnits(units);
-  whole.background_frames = background_frames;
-  whole.unfinished = hasActions(folder);
+TakeOptions TakeInputOptions::takeOptions() const {
+  TakeOptions options;
+  options.units = parseUnits(units);
+  options.background_frames = background_frames;
+  options.unfinished = hasActions(folder);
+  for (const std::string& text : offsets) {
+    const auto [name, offset_s] = parseOffset(text);
+    options.offsets_s[name] = offset_s;
+  }
+  return options;
+}
+
+Take TakeInputOptions::open(int max_frames) const {
+  TakeOptions whole = takeOptions();
+  whole.max_frames = max_frames;
   Take take(folder, whole);
   if (take.note()) printWarning(*take.note());
   return take;

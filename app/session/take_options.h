@@ -2,7 +2,9 @@
 // The options of the commands that read a take.
 #pragma once
 
+#include <limits>
 #include <string>
+#include <vector>
 
 #include "capture/takes/take.h"
 
@@ -18,13 +20,15 @@ RigUnits parseUnits(const std::string& text);
 /// Options of a take to read.
 struct TakeInputOptions {
   std::string folder, units;
+  std::vector<std::string> offsets;  ///< NAME=MS each
   int background_frames = 10;
 
+  TakeOptions takeOptions() const;
   /// Opens the take and prints its note as a warning. A recording of a session may be incomplete.
-  Take open(const TakeOptions& options = {}) const;
+  Take open(int max_frames = std::numeric_limits<int>::max()) const;
 };
 
-/// The take itself, --units and --background.
+/// The take itself, --units, --background and, unless the command has it for cameras, --offset.
 void addTakeOptions(CLI::App& command, TakeInputOptions& options);
 
 }  // namespace airclay

@@ -15,6 +15,7 @@
 
 #include "capture/calibration/board_advice.h"
 #include "capture/images/video_reader.h"
+#include "capture/takes/image_sets.h"
 #include "capture/takes/timestamps.h"
 #include "engine/camera/camera_name.h"
 #include "engine/core/error.h"
@@ -166,7 +167,17 @@ void BoardRecording::Parts::matchFrames() {
     most = std::max(most, camera.source->frameCount());
   }
   const path file = folder / "timestamps.csv";
-  if (!std::filesystem::exists(file)) {
+  std::vector<std::vector<double>> of_camera;
+  if (std::filesystem::exists(file)) {
+    of_camera.resize(cameras.size());
+    for (const std::vector<double>& of_frame : readFrameTimes(file, names, fewest))
+      for (std::size_t c = 0; c < cameras.size(); ++c) of_camera[c].push_back(of_frame[c]);
+  } else {
+    for (const RecordedCamera& camera : cameras) of_camera.push_back(camera.source->timesS());
+    const bool is_timed = std::ranges::none_of(of_camera, [](const auto& times_s) { return times_s.empty(); });
+    if (!is_timed || matchesByNumber(of_camera)) of_camera.clear();
+  }
+  if (of_camera.empty()) {
     for (RecordedCamera& camera : cameras)
       for (int frame = 0; frame < camera.source->frameCount(); ++frame)
         camera.frame_of_instant[frame] = frame;
@@ -176,21 +187,17 @@ void BoardRecording::Parts::matchFrames() {
                       " to " + std::to_string(most) + " frames; frame k of each is taken to be one instant");
     return;
   }
-  const std::vector<std::vector<double>> times = readFrameTimes(file, names, fewest);
-  std::vector<std::vector<double>> of_camera(cameras.size());
   std::size_t densest = 0;
-  for (std::size_t c = 0; c < cameras.size(); ++c) {
-    for (const std::vector<double>& of_frame : times) of_camera[c].push_back(of_frame[c]);
-    if (of_camera[c].back() - of_camera[c].front() < of_camera[densest].back() - of_camera[densest].front())
-      densest = c;
-  }
+  const auto meanInterval = [](const std::vector<double>& times_s) {
+    return times_s.size() > 1 ? (times_s.back() - times_s.front()) / static_cast<double>(times_s.size() - 1) : 1;
+  };
+  for (std::size_t c = 0; c < cameras.size(); ++c)
+    if (meanInterval(of_camera[c]) < meanInterval(of_camera[densest])) densest = c;
   const std::vector<double>& wanted_s = of_camera[densest];
-  const double interval_s =
-      wanted_s.size() > 1 ? (wanted_s.back() - wanted_s.front()) / static_cast<double>(wanted_s.size() - 1)
-                          : 1;
+  const double interval_s = meanInterval(wanted_s);
   for (std::size_t c = 0; c < cameras.size(); ++c)
     cameras[c].frame_of_instant = nearestFrames(wanted_s, of_camera[c], interval_s);
-  frame_count = fewest;
+  frame_count = static_cast<int>(wanted_s.size());
 }
 
 std::vector<int> BoardRecording::Parts::instantsToSearch(const BoardSearch& search) const {

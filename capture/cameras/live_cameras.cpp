@@ -9,7 +9,7 @@
 #include <limits>
 #include <mutex>
 
-#include "capture/cameras/frame_matcher.h"
+#include "capture/takes/frame_matcher.h"
 #include "capture/cameras/live_feed.h"
 #include "engine/core/error.h"
 

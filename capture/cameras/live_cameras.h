@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Several cameras at once: a thread reads each, a matcher puts their frames together by capture time
-// (capture/cameras/frame_matcher.h), and what is wrong with a camera is said by its name while the rest go
+// (capture/takes/frame_matcher.h), and what is wrong with a camera is said by its name while the rest go
 // on.
 #pragma once
 

@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <opencv2/core.hpp>
 #include <opencv2/videoio.hpp>
 #include <vector>
 
 #include "capture/images/quiet_opencv.h"
+#include "capture/images/video_index.h"
 #include "engine/camera/camera_name.h"
 #include "engine/core/error.h"
 
@@ -25,8 +27,10 @@ class VideoSource : public FrameSource {
   VideoSource(const std::filesystem::path& file, bool unfinished) : file_(file), unfinished_(unfinished) {
     quietOpenCv();
     open();
+    index_ = readVideoIndex(file_);
     size_ = {static_cast<int>(video_.get(cv::CAP_PROP_FRAME_WIDTH)),
              static_cast<int>(video_.get(cv::CAP_PROP_FRAME_HEIGHT))};
+    if (index_.rotation_degrees % 180 != 0) std::swap(size_.width, size_.height);
     const double rate = video_.get(cv::CAP_PROP_FPS);
     rate_hz_ = rate > 0 && rate <= 1000 ? rate : kDefaultRateHz;
     frame_count_ = countFrames();
@@ -36,9 +40,14 @@ class VideoSource : public FrameSource {
   ImageSize size() const override { return size_; }
   int frameCount() const override { return frame_count_; }
   double rateHz() const override { return rate_hz_; }
+  const std::vector<double>& timesS() const override { return index_.times_s; }
+  std::string pixelFormat() const override {
+    return index_.pixel_format.empty() ? ""
+                                       : index_.pixel_format + ", " + std::to_string(index_.bits) + " bits";
+  }
 
   void read(int frame, std::span<std::uint8_t> bgr) override {
-    if (frame < next_) open();
+    if (frame + 1 < next_) open();  // the last frame can be retrieved again
     for (; next_ <= frame; ++next_)
       if (!video_.grab()) failAt(next_, frame_count_);
     cv::Mat target(size_.height, size_.width, CV_8UC3, bgr.data());
@@ -54,40 +63,37 @@ class VideoSource : public FrameSource {
   void open() {
     next_ = 0;
     if (!video_.open(file_.string(), cv::CAP_FFMPEG))
-      throw Error(
-          file_.string() +
-          ": the video cannot be opened (truncated, damaged or of unknown format); expected a complete "
-          "recording");
+      throw Error(file_.string() +
+                  ": the video cannot be opened (truncated, damaged or of unknown format); expected a complete "
+                  "recording");
+    video_.set(cv::CAP_PROP_ORIENTATION_AUTO, 0);  // builds of OpenCV differ: readRotated() rotates
   }
 
-  /// The number of frames, counted by packets: the count that a container declares may be derived from its
-  /// duration. If there are fewer packets, the recording has a variable rate or is truncated.
-  int countFrames() {
-    cv::VideoCapture undecoded(file_.string(), cv::CAP_FFMPEG, {cv::CAP_PROP_FORMAT, -1});
-    int packets = 0;
-    while (packets < kMaxFrame && undecoded.grab()) ++packets;
+  /// Cameras are calibrated with images as players show them, so a frame is rotated as the file asks.
+  void readRotated(int frame, cv::Mat& target) {
+    cv::Mat stored, image;
+    if (!video_.retrieve(stored)) failAt(frame, frame_count_);
+    cv::rotate(stored, image,
+               index_.rotation_degrees == 90    ? cv::ROTATE_90_CLOCKWISE
+               : index_.rotation_degrees == 180 ? cv::ROTATE_180
+                                                : cv::ROTATE_90_COUNTERCLOCKWISE);
+    if (image.size() != target.size() || image.type() != target.type()) failAt(frame, frame_count_);
+    image.copyTo(target);
+  }
+
+  /// The number of frames, counted by packets: the count that a container declares may be derived from its duration.
+  /// If there are fewer packets and their times do not reach the declared end, the recording is truncated.
+  int countFrames() const {
     const double declared = video_.get(cv::CAP_PROP_FRAME_COUNT);
     const bool is_known = declared >= 1 && declared < kMaxFrame;
-    if (!unfinished_ && is_known && packets < static_cast<int>(std::lround(declared)) - 1)
-      return countByTime(static_cast<int>(std::lround(declared)));
-    return packets;
-  }
-
-  /// Decodes the whole video and checks that it lasts as long as declared.
-  int countByTime(int declared) {
-    int count = 0, timed = 0;
-    double last_s = 0;
-    for (; count < kMaxFrame && video_.grab(); ++count) {
-      const double time_s = video_.get(cv::CAP_PROP_POS_MSEC) / 1000;
-      if (time_s > last_s) last_s = time_s, timed = count;
-    }
-    // The last frames lose their times in the decoder's queue, so they are assumed at the mean interval, as
-    // is the end of the last one. Half an interval more allows for a variable rate.
-    const double declared_s = declared / rate_hz_, interval_s = timed > 0 ? last_s / timed : 0;
-    const double reached_s = last_s + (count - timed + 0.5) * interval_s;
-    if (reached_s < declared_s) failAt(count, declared);
-    open();
-    return count;
+    const int frames = index_.frames, expected = is_known ? static_cast<int>(std::lround(declared)) : frames;
+    if (unfinished_ || frames >= expected - 1 || frames == 0) return frames;
+    // The last frame lasts an interval; half an interval more allows for a variable rate.
+    const std::vector<double>& times_s = index_.times_s;
+    const double interval_s = frames > 1 && !times_s.empty() ? times_s.back() / (frames - 1) : 1 / rate_hz_;
+    const double reached_s = (times_s.empty() ? frames / rate_hz_ : times_s.back()) + 1.5 * interval_s;
+    if (reached_s < expected / rate_hz_) failAt(frames, expected);
+    return frames;
   }
 
   [[noreturn]] void failAt(int frame, int declared) const {
@@ -97,6 +103,7 @@ class VideoSource : public FrameSource {
 
   std::filesystem::path file_;
   bool unfinished_;
+  VideoIndex index_;
   cv::VideoCapture video_;
   ImageSize size_;
   double rate_hz_ = kDefaultRateHz;
@@ -122,6 +129,7 @@ class ImageSource : public FrameSource {
   ImageSize size() const override { return size_; }
   int frameCount() const override { return static_cast<int>(images_.size()); }
   double rateHz() const override { return kDefaultRateHz; }
+  const std::vector<double>& timesS() const override { return no_times_; }
 
   void read(int frame, std::span<std::uint8_t> bgr) override {
     readImage(images_.at(frame), size_, PixelFormat::kBgr8, bgr);
@@ -129,8 +137,14 @@ class ImageSource : public FrameSource {
 
  private:
   std::map<int, std::filesystem::path> images_;
+  std::vector<double> no_times_;
   ImageSize size_;
 };
+
+bool isImageEnding(const std::string& extension) {
+  constexpr const char* kEndings[] = {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp"};
+  return std::ranges::find(kEndings, extension) != std::end(kEndings);
+}
 
 std::string lowerCase(std::string text) {
   for (char& c : text)
@@ -178,7 +192,7 @@ std::map<int, std::filesystem::path> numberedImages(const std::filesystem::path&
   for (const std::filesystem::directory_entry& entry : std::filesystem::directory_iterator(folder)) {
     const std::string extension = lowerCase(entry.path().extension().string()),
                       stem = entry.path().stem().string();
-    const bool is_image = extension == ".png" || extension == ".jpg" || extension == ".jpeg";
+    const bool is_image = isImageEnding(extension);
     if (!is_image || stem.empty() || stem.find_first_not_of("0123456789") != std::string::npos) continue;
     int frame = 0;
     const std::from_chars_result result = std::from_chars(stem.data(), stem.data() + stem.size(), frame);

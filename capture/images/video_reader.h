@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "capture/images/image_file.h"
 
@@ -20,6 +21,10 @@ class FrameSource {
   virtual ImageSize size() const = 0;
   virtual int frameCount() const = 0;
   virtual double rateHz() const = 0;
+  /// When each frame was taken, in seconds after the first one: a video's presentation timestamps. Empty if unknown.
+  virtual const std::vector<double>& timesS() const = 0;
+  /// "yuv420p, 8 bits": how the file stores pixels; empty if unknown.
+  virtual std::string pixelFormat() const { return {}; }
   /// Decodes a frame into width * height * 3 bytes. \pre 0 <= frame < frameCount()
   /// \throw Error naming the file and the frame if it cannot be decoded.
   virtual void read(int frame, std::span<std::uint8_t> bgr) = 0;

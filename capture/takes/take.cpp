@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "capture/images/video_reader.h"
+#include "capture/takes/image_sets.h"
 #include "capture/takes/rig_opencv.h"
 #include "capture/takes/timestamps.h"
 #include "engine/core/error.h"
@@ -22,6 +23,8 @@ struct Take::Parts {
   std::vector<std::unique_ptr<FrameSource>> frames;  // one per camera, or empty
   std::vector<std::map<int, path>> masks;            // one per camera, or empty
   bool has_background = false;
+  std::vector<ImageSet> sets;  // if images are matched by time; otherwise frame k is image k of every camera
+  std::uint32_t missing_cameras = 0;  // in the frame that was read last
   std::vector<std::vector<double>> times;  // per frame, per camera; empty without timestamps.csv
   double seconds_per_frame = 1.0 / 30;
   int frame_count = 0;
@@ -36,6 +39,9 @@ struct Take::Parts {
   void checkSizes() const;
   void countFrames();
   void openTimes();
+  void matchByTime();
+  std::vector<double> offsets() const;
+  std::vector<std::vector<double>> imageTimes() const;
 };
 
 namespace {
@@ -183,6 +189,67 @@ void Take::Parts::openTimes() {
     seconds_per_frame = (mean(times.back()) - mean(times.front())) / static_cast<double>(times.size() - 1);
 }
 
+/// One offset per camera, seconds.
+std::vector<double> Take::Parts::offsets() const {
+  for (const auto& [name, offset_s] : options.offsets_s)
+    if (std::ranges::find(rig.cameras, name, &Camera::name) == rig.cameras.end())
+      throw Error(folder.string() + ": --offset names camera \"" + name + "\", which the rig does not have",
+                  Fault::kUsage);
+  std::vector<double> of_cameras;
+  for (const Camera& camera : rig.cameras) {
+    const auto found = options.offsets_s.find(camera.name);
+    of_cameras.push_back(found == options.offsets_s.end() ? 0 : found->second);
+  }
+  return of_cameras;
+}
+
+/// When each camera took its images: by timestamps.csv, by the videos, or at a constant rate.
+std::vector<std::vector<double>> Take::Parts::imageTimes() const {
+  std::vector<std::vector<double>> of_cameras(frames.size());
+  for (size_t c = 0; c < frames.size(); ++c) {
+    for (const std::vector<double>& of_frame : times) of_cameras[c].push_back(of_frame[c]);
+    if (times.empty()) of_cameras[c] = frames[c]->timesS();
+    for (int k = 0; of_cameras[c].empty() && k < frames[c]->frameCount(); ++k)
+      of_cameras[c].push_back(k / frames[c]->rateHz());
+  }
+  return of_cameras;
+}
+
+/// Matches images by their times if equal numbers do not mean equal times.
+void Take::Parts::matchByTime() {
+  const std::vector<double> offsets_s = offsets();
+  const bool has_offset = std::ranges::any_of(offsets_s, [](double offset_s) { return offset_s != 0; });
+  if (frames.empty() || !masks.empty()) {
+    if (has_offset)
+      throw Error(folder.string() + ": --offset does not apply to masks, which have no timestamps", Fault::kUsage);
+    return;
+  }
+  if (!times.empty() && !has_offset) return;  // the rows of timestamps.csv are frames
+  std::vector<std::vector<double>> of_cameras = imageTimes();
+  for (size_t c = 0; c < of_cameras.size(); ++c)
+    for (double& time_s : of_cameras[c]) time_s -= offsets_s[c];
+  if (matchesByNumber(of_cameras)) return;
+
+  sets = matchImages(of_cameras);
+  if (sets.empty())
+    throw Error(folder.string() +
+                ": at no instant does every camera have an image; expected recordings of the same time, or --offset "
+                "NAME=MS with how late each camera's timestamps are");
+  sets.resize(std::min(sets.size(), static_cast<size_t>(options.max_frames)));
+  frame_count = static_cast<int>(sets.size());
+  times.clear();
+  for (const ImageSet& set : sets) times.push_back(set.times_s);
+  if (sets.size() > 1)
+    seconds_per_frame = (mean(times.back()) - mean(times.front())) / static_cast<double>(sets.size() - 1);
+  std::string missing;
+  for (size_t c = 0; c < rig.cameras.size(); ++c) {
+    const auto count = std::ranges::count_if(sets, [&](const ImageSet& set) { return set.missing_cameras >> c & 1; });
+    if (count > 0) missing += "; camera \"" + rig.cameras[c].name + "\" has no image in " + std::to_string(count);
+  }
+  note = folder.string() + ": images are matched by their timestamps: " + std::to_string(frame_count) + " frames" +
+         missing;
+}
+
 Take::Take(const path& folder, const TakeOptions& options) : parts_(std::make_unique<Parts>()) {
   if (!std::filesystem::is_directory(folder))
     throw Error(folder.string() + ": there is no such take; expected a folder with rig.toml and recordings");
@@ -197,6 +264,7 @@ Take::Take(const path& folder, const TakeOptions& options) : parts_(std::make_un
   parts_->countFrames();
   parts_->frame_count = std::min(parts_->frame_count, options.max_frames);
   parts_->openTimes();
+  parts_->matchByTime();
   const path truth = folder / "truth.tum";
   if (std::filesystem::exists(truth)) parts_->truth = readPoses(truth);
 }
@@ -223,6 +291,10 @@ std::vector<double> Take::cameraTimesOf(int frame) const {
   return parts_->times.empty() ? std::vector<double>{} : parts_->times.at(static_cast<size_t>(frame));
 }
 
+std::uint32_t Take::missingCameras() const {
+  return parts_->missing_cameras;
+}
+
 bool Take::hasImages() const {
   return !parts_->frames.empty();
 }
@@ -241,7 +313,10 @@ bool Take::readImages(int frame, Buffers bgr) {
   checkBuffers(parts_->rig, bgr, 3);
   if (frame < 0 || frame >= parts_->frame_count) return false;
   // One camera after another: FFmpeg's own threads already use all cores.
-  for (size_t i = 0; i < parts_->frames.size(); ++i) parts_->frames[i]->read(frame, bgr[i]);
+  const ImageSet* set = parts_->sets.empty() ? nullptr : &parts_->sets[static_cast<size_t>(frame)];
+  for (size_t i = 0; i < parts_->frames.size(); ++i)
+    parts_->frames[i]->read(set ? set->images[i] : frame, bgr[i]);
+  parts_->missing_cameras = set ? set->missing_cameras : 0;
   return true;
 }
 

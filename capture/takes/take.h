@@ -4,6 +4,7 @@
 #pragma once
 
 #include <limits>
+#include <map>
 #include <memory>
 
 #include "capture/takes/recording.h"
@@ -15,6 +16,9 @@ struct TakeOptions {
   int background_frames = 10;  ///< leading frames that show the empty workspace, if there is no background/
   /// Accepts a recording that was interrupted while being written, and uses its complete frames.
   bool unfinished = false;
+  /// By how much a camera's timestamps are late, in seconds, by its name: they are subtracted, and images are matched
+  /// by their times.
+  std::map<std::string, double> offsets_s;
   int max_frames = std::numeric_limits<int>::max();  ///< later frames are ignored
 };
 
@@ -34,14 +38,16 @@ class Take : public Recording {
   Take& operator=(Take&&) noexcept;
 
   const Rig& rig() const override;
-  /// The number of frames that every camera has.
+  /// The number of frames: instants at which every camera, or with different rates at least two, has an image.
   int frameCount() const override;
   /// Average frames per second.
   double rateHz() const override;
   /// The frame's capture time, seconds: the mean of its cameras' times. \pre 0 <= frame < frameCount()
   double timeOf(int frame) const override;
-  /// From timestamps.csv.
+  /// From timestamps.csv, or from videos whose images are matched by their times; otherwise empty.
   std::vector<double> cameraTimesOf(int frame) const override;
+  /// A camera of a lower rate, or that missed a frame; readImages() gives its last image before.
+  std::uint32_t missingCameras() const override;
 
   bool hasImages() const override;       ///< videos or image folders; false: masks only
   bool hasSilhouettes() const override;  ///< masks that replace segmentation

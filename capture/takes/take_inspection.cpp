@@ -6,6 +6,7 @@
 #include <set>
 
 #include "capture/images/video_reader.h"
+#include "capture/takes/image_sets.h"
 #include "engine/core/error.h"
 #include "engine/core/task.h"
 #include "engine/silhouette/silhouette.h"
@@ -160,8 +161,10 @@ class Inspector {
 
   /// For each camera, learns the background and then segments the chosen frames, decoded in order.
   void segment() {
-    int count = kMaxFrames;
-    for (const auto& source : frames_) count = std::min(count, source->frameCount());
+    const std::vector<ImageSet> sets_by_time = matchedByTime();
+    int count = sets_by_time.empty() ? kMaxFrames : static_cast<int>(sets_by_time.size());
+    for (const auto& source : frames_)
+      if (sets_by_time.empty()) count = std::min(count, source->frameCount());
     const bool has_background = std::filesystem::is_directory(folder_ / "background");
     const int empty = has_background ? 0 : options_.background_frames;
     result_.source = has_background ? SilhouetteSource::kKnown : SilhouetteSource::kAssumed;
@@ -177,12 +180,24 @@ class Inspector {
       const std::vector<BackgroundPixel> background = backgroundOf(i, empty);
       for (std::size_t k = 0; k < chosen.size(); ++k) {
         BgrImage image(bytesOf(rig_.cameras[i]));
-        frames_[i]->read(chosen[k], image);
+        frames_[i]->read(
+            sets_by_time.empty() ? chosen[k] : sets_by_time[std::size_t(chosen[k])].images[i], image);
         sets[k].push_back(silhouette(rig_.cameras[i], image, background));
         reportProgress(double(i * chosen.size() + k + 1) / double(chosen.size() * rig_.cameras.size()));
       }
     }
     for (MaskSet& set : sets) addInstant(std::move(set));
+  }
+
+  /// The frames, if images are matched by their times; empty if by their numbers.
+  std::vector<ImageSet> matchedByTime() const {
+    std::vector<std::vector<double>> times_s;
+    for (const auto& source : frames_) {
+      times_s.push_back(source->timesS());
+      if (times_s.back().empty()) return {};
+    }
+    if (std::filesystem::exists(folder_ / "timestamps.csv") || matchesByNumber(times_s)) return {};
+    return matchImages(times_s);
   }
 
   std::vector<BackgroundPixel> backgroundOf(std::size_t index, int empty) {

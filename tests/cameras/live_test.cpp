@@ -7,7 +7,7 @@
 #include <random>
 #include <thread>
 
-#include "capture/cameras/frame_matcher.h"
+#include "capture/takes/frame_matcher.h"
 #include "capture/cameras/live_cameras.h"
 #include "capture/cameras/v4l2_devices.h"
 #include "capture/images/video_writer.h"

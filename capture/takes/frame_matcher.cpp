@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "capture/cameras/frame_matcher.h"
+#include "capture/takes/frame_matcher.h"
 
 #include <algorithm>
 #include <cmath>
