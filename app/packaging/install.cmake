@@ -17,6 +17,7 @@ set(AIRCLAY_INTERNAL_HEADERS
   engine/mesh/gltf_elements.h
   engine/mesh/mesh_source.h
   engine/mesh/point_merger.h
+  engine/gpu/shader_stage.h
   engine/render/renderer_parts.h
   engine/validation/bench_peers.h
   capture/images/quiet_opencv.h

@@ -5,37 +5,12 @@
 #include <utility>
 
 #include "engine/core/error.h"
+#include "engine/gpu/shader_stage.h"
 
 namespace airclay {
 namespace {
 
 constexpr VkShaderStageFlags kStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
-
-struct ShaderModule {
-  VkDevice device;
-  VkShaderModule handle = VK_NULL_HANDLE;
-
-  ShaderModule(VkDevice d, std::span<const std::uint32_t> spirv) : device(d) {
-    if (spirv.empty()) return;
-    VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
-    info.codeSize = spirv.size_bytes();
-    info.pCode = spirv.data();
-    check(vkCreateShaderModule(device, &info, nullptr, &handle), "load a shader");
-  }
-  ShaderModule(const ShaderModule&) = delete;
-  ShaderModule& operator=(const ShaderModule&) = delete;
-  ~ShaderModule() { vkDestroyShaderModule(device, handle, nullptr); }
-};
-
-VkPipelineShaderStageCreateInfo stageInfo(VkShaderStageFlagBits stage, const ShaderModule& shader,
-                                          const VkSpecializationInfo& constants) {
-  VkPipelineShaderStageCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
-  info.stage = stage;
-  info.module = shader.handle;
-  info.pName = "main";
-  info.pSpecializationInfo = &constants;
-  return info;
-}
 
 VkPipelineRasterizationStateCreateInfo rasterization(const GraphicsOptions& options) {
   VkPipelineRasterizationStateCreateInfo info{VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO};
@@ -115,42 +90,17 @@ void beginRendering(VkCommandBuffer commands, const RenderPass& pass, VkExtent2D
 
 RawGraphicsPipeline::RawGraphicsPipeline(Gpu& gpu, const char* name, const GraphicsShaders& shaders,
                                          const GraphicsOptions& options, std::uint32_t args_bytes)
-    : RawGraphicsPipeline() {  // delegated to, so that what was created is destroyed if this throws
-  gpu_ = &gpu;
-  name_ = name;
-  readInterface(shaders.vertex, args_bytes);
-  if (!shaders.fragment.empty()) readInterface(shaders.fragment, args_bytes);
-  const VkPushConstantRange range{kStages, 0, args_bytes};
-  VkPipelineLayoutCreateInfo layout{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
-  layout.pushConstantRangeCount = 1;
-  layout.pPushConstantRanges = &range;
-  check(vkCreatePipelineLayout(gpu.device(), &layout, nullptr, &layout_), "create a pipeline layout");
-  make(shaders, options);
-}
-
-void RawGraphicsPipeline::readInterface(std::span<const std::uint32_t> spirv, std::uint32_t args_bytes) {
-  const ShaderInterface interface = shaderInterface(spirv);
-  if (interface.push_constant_bytes > args_bytes)
-    throw Error("a shader of " + name_ + " expects more arguments than its C++ struct has", Fault::kDevice);
-  for (const PointerArgument& pointer : interface.pointers) {
-    if (pointer.writes)
-      throw Error("a shader of " + name_ + " writes through an argument; draws only read (Read… pointers)",
-                  Fault::kDevice);
-    const bool known = std::any_of(pointers_.begin(), pointers_.end(),
-                                   [&](const PointerArgument& p) { return p.offset == pointer.offset; });
-    if (!known) pointers_.push_back(pointer);
-  }
-}
-
-void RawGraphicsPipeline::make(const GraphicsShaders& shaders, const GraphicsOptions& options) {
-  const ShaderModule vertex(gpu_->device(), shaders.vertex), fragment(gpu_->device(), shaders.fragment);
-  std::vector<VkSpecializationMapEntry> entries;
-  for (std::uint32_t i = 0; i < options.constants.size(); ++i) entries.push_back({i, i * 4, 4});
-  const VkSpecializationInfo constants{static_cast<std::uint32_t>(entries.size()), entries.data(),
-                                       options.constants.size() * 4, options.constants.data()};
-  const VkPipelineShaderStageCreateInfo stages[] = {
-      stageInfo(VK_SHADER_STAGE_VERTEX_BIT, vertex, constants),
-      stageInfo(VK_SHADER_STAGE_FRAGMENT_BIT, fragment, constants)};
+    : ShaderPipeline(gpu, name) {
+  addPointersOf(shaders.vertex, args_bytes);
+  if (!shaders.fragment.empty()) addPointersOf(shaders.fragment, args_bytes);
+  if (std::any_of(pointers().begin(), pointers().end(), [](const PointerArgument& p) { return p.writes; }))
+    throw Error(
+        "a shader of " + this->name() + " writes through an argument; draws only read (Read… pointers)",
+        Fault::kDevice);
+  createLayout(kStages, args_bytes);
+  const ShaderStage vertex(gpu, VK_SHADER_STAGE_VERTEX_BIT, shaders.vertex, options.constants),
+      fragment(gpu, VK_SHADER_STAGE_FRAGMENT_BIT, shaders.fragment, options.constants);
+  const VkPipelineShaderStageCreateInfo stages[] = {vertex.info(), fragment.info()};
 
   const VkPipelineVertexInputStateCreateInfo no_input{
       VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
@@ -189,23 +139,9 @@ void RawGraphicsPipeline::make(const GraphicsShaders& shaders, const GraphicsOpt
   info.pDepthStencilState = &depth;
   info.pColorBlendState = &blend;
   info.pDynamicState = &dynamic;
-  info.layout = layout_;
-  check(vkCreateGraphicsPipelines(gpu_->device(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline_),
+  info.layout = layout();
+  check(vkCreateGraphicsPipelines(gpu.device(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline_),
         "create a graphics pipeline");
-}
-
-RawGraphicsPipeline::~RawGraphicsPipeline() {
-  if (!gpu_) return;
-  vkDestroyPipeline(gpu_->device(), pipeline_, nullptr);
-  vkDestroyPipelineLayout(gpu_->device(), layout_, nullptr);
-}
-
-void RawGraphicsPipeline::swap(RawGraphicsPipeline& other) noexcept {
-  std::swap(gpu_, other.gpu_);
-  std::swap(name_, other.name_);
-  std::swap(layout_, other.layout_);
-  std::swap(pipeline_, other.pipeline_);
-  std::swap(pointers_, other.pointers_);
 }
 
 void render(Recorder& recorder, const RenderPass& pass, const std::vector<Draw>& draws) {

@@ -15,6 +15,7 @@
 #include <optional>
 
 #include "engine/gpu/image.h"
+#include "engine/gpu/shader_pipeline.h"
 
 namespace airclay {
 
@@ -46,35 +47,12 @@ struct GraphicsShaders {
 };
 
 /// The untyped part of GraphicsPipeline<Args>.
-class RawGraphicsPipeline {
+class RawGraphicsPipeline : public ShaderPipeline {
  public:
   RawGraphicsPipeline() = default;
   /// \throw Error if a shader writes through an argument: draws only read.
   RawGraphicsPipeline(Gpu& gpu, const char* name, const GraphicsShaders& shaders,
                       const GraphicsOptions& options, std::uint32_t args_bytes);
-  RawGraphicsPipeline(RawGraphicsPipeline&& other) noexcept { swap(other); }
-  RawGraphicsPipeline& operator=(RawGraphicsPipeline&& other) noexcept {
-    swap(other);
-    return *this;
-  }
-  ~RawGraphicsPipeline();
-
-  const std::string& name() const { return name_; }
-  VkPipeline pipeline() const { return pipeline_; }
-  VkPipelineLayout layout() const { return layout_; }
-  /// The pointers of both shaders.
-  const std::vector<PointerArgument>& pointers() const { return pointers_; }
-
- private:
-  void swap(RawGraphicsPipeline& other) noexcept;
-  void readInterface(std::span<const std::uint32_t> spirv, std::uint32_t args_bytes);
-  void make(const GraphicsShaders& shaders, const GraphicsOptions& options);
-
-  Gpu* gpu_ = nullptr;
-  std::string name_;
-  VkPipelineLayout layout_ = VK_NULL_HANDLE;
-  VkPipeline pipeline_ = VK_NULL_HANDLE;
-  std::vector<PointerArgument> pointers_;
 };
 
 /// `Args` is the struct of an *_io.h that both shaders take as push constants.
