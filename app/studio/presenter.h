@@ -28,7 +28,6 @@ class Presenter {
   virtual void resize(std::uint32_t width, std::uint32_t height) = 0;
 
   struct Target {
-    std::uint32_t index = 0;
     VkImage image = VK_NULL_HANDLE;
     VkFramebuffer framebuffer = VK_NULL_HANDLE;
   };

@@ -170,7 +170,7 @@ void SharedMemoryPresenter::resize(std::uint32_t width, std::uint32_t height) {
 
 std::optional<Presenter::Target> SharedMemoryPresenter::acquire() {
   if (!parts_->shared) return std::nullopt;
-  return Target{0, parts_->drawn.handle(), parts_->framebuffer};
+  return Target{parts_->drawn.handle(), parts_->framebuffer};
 }
 
 void SharedMemoryPresenter::submit(Recorder& recorder, const Target& target) {

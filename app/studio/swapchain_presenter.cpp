@@ -101,38 +101,35 @@ void SwapchainPresenter::resize(std::uint32_t width, std::uint32_t height) {
 
 std::optional<Presenter::Target> SwapchainPresenter::acquire() {
   if (images_.empty()) return std::nullopt;
-  Target target;
   const VkResult result =
-      vkAcquireNextImageKHR(gpu_.device(), swapchain_, UINT64_MAX, ready_, VK_NULL_HANDLE, &target.index);
+      vkAcquireNextImageKHR(gpu_.device(), swapchain_, UINT64_MAX, ready_, VK_NULL_HANDLE, &acquired_);
   if (result == VK_ERROR_OUT_OF_DATE_KHR) return std::nullopt;
   if (result != VK_SUBOPTIMAL_KHR) check(result, "draw in the window");
-  target.image = images_[target.index].image;
-  target.framebuffer = images_[target.index].framebuffer;
-  return target;
+  return Target{images_[acquired_].image, images_[acquired_].framebuffer};
 }
 
-void SwapchainPresenter::submit(Recorder& recorder, const Target& target) {
+void SwapchainPresenter::submit(Recorder& recorder, const Target&) {
   VkSemaphoreSubmitInfo ready{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO};
   ready.semaphore = ready_;
   ready.stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
   VkSemaphoreSubmitInfo drawn = ready;
-  drawn.semaphore = images_[target.index].drawn;
+  drawn.semaphore = images_[acquired_].drawn;
   recorder.submit(&ready, &drawn);
 }
 
-bool SwapchainPresenter::show(Recorder& recorder, const Target& target) {
-  const bool fits = present(target.index);
+bool SwapchainPresenter::show(Recorder& recorder, const Target&) {
+  const bool fits = present();
   recorder.wait();
   return fits;
 }
 
-bool SwapchainPresenter::present(std::uint32_t index) {
+bool SwapchainPresenter::present() {
   VkPresentInfoKHR info{VK_STRUCTURE_TYPE_PRESENT_INFO_KHR};
   info.waitSemaphoreCount = 1;
-  info.pWaitSemaphores = &images_[index].drawn;
+  info.pWaitSemaphores = &images_[acquired_].drawn;
   info.swapchainCount = 1;
   info.pSwapchains = &swapchain_;
-  info.pImageIndices = &index;
+  info.pImageIndices = &acquired_;
   const std::lock_guard lock(gpu_.queueMutex());
   const VkResult result = vkQueuePresentKHR(gpu_.queue(), &info);
   if (result == VK_ERROR_OUT_OF_DATE_KHR || result == VK_SUBOPTIMAL_KHR) return false;

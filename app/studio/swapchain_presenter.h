@@ -31,13 +31,14 @@ class SwapchainPresenter : public Presenter {
     VkSemaphore drawn = VK_NULL_HANDLE;  ///< signalled when it is drawn
   };
   void destroyImages();
-  bool present(std::uint32_t index);
+  bool present();
   VkSemaphore makeSemaphore();
 
   VkSurfaceKHR surface_;
   VkSwapchainKHR swapchain_ = VK_NULL_HANDLE;
   VkSemaphore ready_ = VK_NULL_HANDLE;  ///< signalled when the acquired image may be drawn into
   std::vector<Shown> images_;
+  std::uint32_t acquired_ = 0;  ///< of images_, since the last acquire()
 };
 
 }  // namespace airclay
