@@ -12,6 +12,7 @@ install(TARGETS airclay airclay_engine airclay_capture EXPORT airclay_targets
 set(AIRCLAY_INTERNAL_HEADERS
   engine/core/file_io.h
   engine/core/median.h
+  engine/clay/dense_pseudoinverse.h
   engine/gpu/one_time.h
   engine/mesh/cage_repair.h
   engine/mesh/gltf_elements.h

@@ -3,15 +3,13 @@
 // `deform`.
 //
 // If A is well conditioned, its pseudoinverse is (AᵀA)⁻¹Aᵀ, by Cholesky. Squaring A halves the accurate
-// digits, so an ill-conditioned A is instead reduced by Householder reflections, and the small triangle is
-// solved by its singular values.
+// digits, so an ill-conditioned A is solved by its singular values instead (dense_pseudoinverse.h).
 #include <Eigen/Cholesky>
-#include <Eigen/QR>
-#include <Eigen/SVD>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <optional>
 
+#include "engine/clay/dense_pseudoinverse.h"
 #include "engine/clay/solve.h"
 #include "engine/clay/touched_rows.h"
 #include "engine/core/error.h"
@@ -30,43 +28,6 @@ constexpr double kWellConditioned = 1e-8;
 
 // A larger refinement step means that the pivots underestimate the condition number.
 constexpr double kSmallCorrection = 1e-6;
-
-// Factoring this many rows at a time limits the memory for a tall, narrow matrix.
-constexpr int kBlockRows = 2048;
-
-/// The least-squares problem min |A x - b| reduced to fewer rows: R and Qᵀb of A = Q R.
-struct ReducedRows {
-  MatrixXd triangle;    ///< min(m, n) x n
-  MatrixXd right_side;  ///< the same number of rows; no columns without b
-};
-
-/// Householder QR, one row block at a time.
-ReducedRows reduceRows(const StencilMatrix& matrix, const MatrixXd& right_side) {
-  const Eigen::Index n = matrix.cols(), k = right_side.cols();
-  MatrixXd reduced(0, n + k);  // [R, Qᵀb] of the rows so far
-  for (Eigen::Index first = 0; first < matrix.rows(); first += kBlockRows) {
-    const Eigen::Index count = std::min<Eigen::Index>(kBlockRows, matrix.rows() - first);
-    MatrixXd stacked(reduced.rows() + count, n + k);
-    stacked.topRows(reduced.rows()) = reduced;
-    stacked.bottomRows(count).leftCols(n) = MatrixXd(matrix.middleRows(first, count));
-    stacked.bottomRows(count).rightCols(k) = right_side.middleRows(first, count);
-    const Eigen::Index rank = std::min(stacked.rows(), n);
-    MatrixXd left = stacked.leftCols(n);
-    const Eigen::HouseholderQR<Eigen::Ref<MatrixXd>> qr(left);
-    reduced.resize(rank, n + k);
-    reduced.leftCols(n) = qr.matrixQR().topRows(rank).triangularView<Eigen::Upper>();
-    reduced.rightCols(k) = (qr.householderQ().adjoint() * stacked.rightCols(k)).topRows(rank);
-  }
-  return {reduced.leftCols(n), reduced.rightCols(k)};
-}
-
-Eigen::BDCSVD<MatrixXd> singularValues(const MatrixXd& matrix) {
-  Eigen::BDCSVD<MatrixXd> svd(matrix, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  if (svd.info() != Eigen::Success)
-    throw Error("the solve's singular values did not converge; is a control point NaN?");
-  svd.setThreshold(kSingularCutoff);  // relative to the largest; applies to rank() too
-  return svd;
-}
 
 /// Eq. (6) in displacements: d_new - d of the moved rows.
 Displacements moveDisplacements(const StencilMatrix& matrix, const std::vector<Vec3>& control_points,
@@ -110,8 +71,7 @@ Displacements pseudoinverseTimes(const StencilMatrix& matrix, const Displacement
   if (matrix.cols() > AllRowsSolver::kMaxControlPoints)
     throw Error("the solve for these moves is ill-conditioned over " + std::to_string(matrix.cols()) +
                 " control points; expected at most " + std::to_string(AllRowsSolver::kMaxControlPoints));
-  const ReducedRows reduced = reduceRows(matrix, right_side);
-  return singularValues(reduced.triangle).solve(reduced.right_side);
+  return densePseudoinverseTimes(matrix, right_side);
 }
 
 void checkMoves(const StencilMatrix& matrix, const std::vector<Move>& moves) {
@@ -170,11 +130,7 @@ AllRowsSolver::AllRowsSolver(const StencilMatrix& matrix) {
     reportProgress(0.3);  // the inverse takes two thirds of the n³ operations
     gram_inverse_ = factor.solve(MatrixXd::Identity(matrix.cols(), matrix.cols()));
   } else {
-    // (AᵀA)⁺ = V Σ⁺² Vᵀ, from the singular values of A itself.
-    const auto svd = singularValues(reduceRows(matrix, MatrixXd(matrix.rows(), 0)).triangle);
-    const MatrixXd scaled = svd.matrixV().leftCols(svd.rank()) *
-                            svd.singularValues().head(svd.rank()).cwiseInverse().asDiagonal();
-    gram_inverse_ = scaled * scaled.transpose();
+    gram_inverse_ = denseGramPseudoinverse(matrix);
   }
   gram_inverse_ = (0.5 * (gram_inverse_ + gram_inverse_.transpose())).eval();  // exactly symmetric
 }
