@@ -30,6 +30,7 @@ set(AIRCLAY_INTERNAL_HEADERS
   capture/cameras/live_feed.h
   capture/takes/timestamps.h
   capture/calibration/aruco_dictionary.h
+  capture/calibration/board_exposure.h
   capture/calibration/calibration_parts.h
   capture/calibration/chessboard_detector.h
   capture/calibration/saddle_point.h

@@ -6,6 +6,7 @@
 // too, and a corner's number is its id. The square in the upper left is black, as OpenCV draws it since 4.6.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,11 +41,18 @@ struct Board {
   bool isAmbiguous() const { return chessboard && (squares_x + squares_y) % 2 == 0; }
 };
 
+/// How sharp and how well lit a board is in an image: medians over its corners.
+struct BoardExposure {
+  double black = 0, white = 0;  ///< grey values of 255 of the squares
+  double blur_px = 0;  ///< standard deviation of the blur across edges, including the pixel's own square
+};
+
 /// The inner corners of a board that one image shows, each where it is in the raw, distorted image: pixel
 /// centres at whole numbers, unbiased to a few hundredths of a pixel.
 struct BoardView {
-  std::vector<int> ids;      ///< ascending
-  std::vector<Vec2> pixels;  ///< one an id
+  std::vector<int> ids;                   ///< ascending
+  std::vector<Vec2> pixels;               ///< one per id
+  std::optional<BoardExposure> exposure;  ///< empty if the view was not detected in an image
 };
 
 /// More squares a side than this are a mistake.

@@ -106,9 +106,7 @@ bool BoardCollector::add(const LiveSet& set) {
       CollectedCamera& camera = cameras_[c];
       if (image.bgr.empty() || image.size != camera.size) continue;
       camera.seen = detector_.find(image.size, PixelFormat::kBgr8, image.bgr);
-      if (camera.seen)
-        if (const auto light = boardExposure(board(), *camera.seen, image.size, image.bgr))
-          camera.light = light;
+      if (camera.seen) camera.light = camera.seen->exposure;
     }
   };
   std::vector<std::future<void>> others;

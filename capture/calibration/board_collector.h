@@ -11,7 +11,6 @@
 
 #include "capture/calibration/board_coverage.h"
 #include "capture/calibration/board_detector.h"
-#include "capture/calibration/board_exposure.h"
 #include "capture/calibration/calibration.h"
 #include "capture/cameras/live_cameras.h"
 

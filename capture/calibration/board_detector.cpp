@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // A ChArUco board: OpenCV finds the markers; what they say of each other's places decides which of them are
-// this board's; each corner next to one is then looked for where the marker says, and fitted (saddle.h).
-// Chessboards: chessboard_detector.h. OpenCV 4.6's own corners of ChArUco boards (interpolateCornersCharuco)
-// are half a pixel too far right and down, and are not used.
+// this board's; each corner next to one is then looked for where the marker says, and fitted
+// (saddle_point.h). Chessboards: chessboard_detector.h. OpenCV 4.6's own corners of ChArUco boards
+// (interpolateCornersCharuco) are half a pixel too far right and down, and are not used.
 #include "capture/calibration/board_detector.h"
 
 #include <algorithm>
@@ -13,6 +13,7 @@
 #include <set>
 
 #include "capture/calibration/aruco_dictionary.h"
+#include "capture/calibration/board_exposure.h"
 #include "capture/calibration/board_pattern.h"
 #include "capture/calibration/chessboard_detector.h"
 #include "capture/calibration/saddle_point.h"
@@ -113,7 +114,7 @@ std::vector<SeenMarker> thoseOfOneBoard(const std::vector<SeenMarker>& markers) 
 }
 
 /// By id, in pixels; none where it isn't seen.
-using Corners = std::vector<std::optional<Vec2>>;
+using Corners = std::vector<std::optional<SaddlePoint>>;
 
 /// Whether four of the corners or more are not all in one line.
 bool spansAPlane(const Board& board, const std::vector<int>& ids) {
@@ -226,9 +227,9 @@ void BoardDetector::Parts::findBesideMarkers(const GreyImage& image, const std::
 void BoardDetector::Parts::findBesideCorners(const GreyImage& image, Corners& corners) const {
   std::vector<cv::Point2f> from, to;
   for (int id = 0; id < board().cornerCount(); ++id)
-    if (const std::optional<Vec2>& corner = corners[static_cast<std::size_t>(id)]) {
+    if (const std::optional<SaddlePoint>& corner = corners[static_cast<std::size_t>(id)]) {
       from.emplace_back(static_cast<float>(inSquares(id).x()), static_cast<float>(inSquares(id).y()));
-      to.emplace_back(static_cast<float>(corner->x()), static_cast<float>(corner->y()));
+      to.emplace_back(static_cast<float>(corner->pixel.x()), static_cast<float>(corner->pixel.y()));
     }
   const std::optional<PlaneToImage> plane = planeThrough(from, to);
   std::vector<int> next;  // corners whose neighbours have not been looked for
@@ -237,12 +238,12 @@ void BoardDetector::Parts::findBesideCorners(const GreyImage& image, Corners& co
   while (plane && !next.empty()) {
     const int known = next.back(), column = known % board().cornersX(), row = known / board().cornersX();
     next.pop_back();
-    const Vec2 off = *corners[static_cast<std::size_t>(known)] - plane->at(inSquares(known));
+    const Vec2 off = corners[static_cast<std::size_t>(known)]->pixel - plane->at(inSquares(known));
     for (const auto& [x, y] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
       if (column + x < 0 || column + x >= board().cornersX()) continue;
       if (row + y < 0 || row + y >= board().cornersY()) continue;
       const int id = known + x + y * board().cornersX();
-      std::optional<Vec2>& corner = corners[static_cast<std::size_t>(id)];
+      std::optional<SaddlePoint>& corner = corners[static_cast<std::size_t>(id)];
       if (corner) continue;
       corner = findCorner(image, {plane->at(inSquares(id)) + off, plane->slopeAt(inSquares(id)),
                                   board().blackBefore(id), whiteMargin()});
@@ -277,12 +278,15 @@ std::optional<BoardView> BoardDetector::Parts::findCharuco(const cv::Mat& grey) 
   for (const SeenMarker& marker : found) read.insert(marker.id);
   if (static_cast<double>(read.size()) < kLeastRead * markersBeside(corners)) return std::nullopt;
   BoardView view;
+  std::vector<SaddlePoint> found_corners;
   for (std::size_t id = 0; id < corners.size(); ++id) {
     if (!corners[id]) continue;
     view.ids.push_back(static_cast<int>(id));
-    view.pixels.push_back(*corners[id]);
+    view.pixels.push_back(corners[id]->pixel);
+    found_corners.push_back(*corners[id]);
   }
   if (!spansAPlane(board(), view.ids)) return std::nullopt;
+  view.exposure = exposureOf(found_corners);
   return view;
 }
 

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <opencv2/calib3d.hpp>
 
+#include "capture/calibration/board_exposure.h"
+
 namespace airclay {
 namespace {
 
@@ -88,15 +90,18 @@ std::optional<BoardView> findChessboard(const Board& board, const GreyImage& ima
 
   const std::optional<double> first = contrastAtFirst(image, *grid);
   BoardView view;
+  std::vector<SaddlePoint> corners_in_order;
   for (int id = 0; id < board.cornerCount(); ++id) {
     const int column = id % grid->columns, row = id / grid->columns;
     const bool black_before = board.blackBefore(id) == (first && *first > 0);
-    const std::optional<Vec2> corner =
+    const std::optional<SaddlePoint> corner =
         findCorner(image, {grid->at(column, row), grid->slopeAt(column, row), black_before, 1});
     if (!corner) return std::nullopt;
     view.ids.push_back(id);
-    view.pixels.push_back(*corner);
+    view.pixels.push_back(corner->pixel);
+    corners_in_order.push_back(*corner);
   }
+  view.exposure = exposureOf(corners_in_order);
   return view;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Plain chessboards: OpenCV finds the grid of corners, each is then fitted (saddle.h).
+// Plain chessboards: OpenCV finds the grid of corners, each is then fitted (saddle_point.h).
 #pragma once
 
 #include <optional>

@@ -107,7 +107,7 @@ class SaddleFit {
         std::sqrt(cost_ / double(samples_.size())) <= kMostResidue * std::abs(contrast) &&
         blur <= most_blur * square_px_ && crossesWell();
     if (!sees_corner) return std::nullopt;
-    return SaddlePoint{guess_.pixel + unknowns_.head<2>(), blur, contrast};
+    return SaddlePoint{guess_.pixel + unknowns_.head<2>(), blur, unknowns_[kBase], contrast};
   }
 
  private:
@@ -251,9 +251,9 @@ std::optional<SaddlePoint> findSaddle(const GreyImage& image, const SaddleGuess&
   return SaddleFit(image, guess).run();
 }
 
-std::optional<Vec2> findCorner(const GreyImage& image, const SaddleGuess& guess) {
+std::optional<SaddlePoint> findCorner(const GreyImage& image, const SaddleGuess& guess) {
   const std::optional<SaddlePoint> saddle = findSaddle(image, guess);
-  return saddle && saddle->contrast > 0 ? std::optional(saddle->pixel) : std::nullopt;
+  return saddle && saddle->contrast > 0 ? saddle : std::nullopt;
 }
 
 }  // namespace airclay

@@ -33,6 +33,7 @@ struct SaddleGuess {
 struct SaddlePoint {
   Vec2 pixel = Vec2::Zero();
   double blur_px = 0;   ///< sigma of the edges
+  double mean = 0;      ///< of black and white, grey values
   double contrast = 0;  ///< white less black, grey values; negative where the black squares are the others
 };
 
@@ -40,7 +41,7 @@ struct SaddlePoint {
 /// seventh of a square, too little contrast for what else is in its neighbourhood, or cut off by the
 /// image's edge.
 std::optional<SaddlePoint> findSaddle(const GreyImage& image, const SaddleGuess& guess);
-/// Its place, where the black squares are those that the guess says.
-std::optional<Vec2> findCorner(const GreyImage& image, const SaddleGuess& guess);
+/// The same if the black squares are those that the guess says; otherwise none.
+std::optional<SaddlePoint> findCorner(const GreyImage& image, const SaddleGuess& guess);
 
 }  // namespace airclay

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Collecting views of a moving board, on rendered images with known corners.
 #include "capture/calibration/board_collector.h"
+#include "capture/calibration/board_detector.h"
 
 #include <gtest/gtest.h>
 
@@ -43,6 +44,12 @@ struct Stage {
   }
 };
 
+/// The exposure of the board that the detector finds; empty if it finds none.
+std::optional<BoardExposure> exposureIn(const Board& board, const std::vector<std::uint8_t>& bgr) {
+  const auto view = BoardDetector(board).find(kSize, PixelFormat::kBgr8, bgr);
+  return view ? view->exposure : std::nullopt;
+}
+
 TEST(BoardExposure, MeasuresBlurAndLight) {
   const Stage stage;
   // at this distance a square has 50 pixels
@@ -58,7 +65,7 @@ TEST(BoardExposure, MeasuresBlurAndLight) {
       shot.noise_sigma = 2;
       const Pose pose = boardBefore(board, camera, 0.45, Vec3(turn, 0.5 * turn, turn));
       const std::vector<std::uint8_t> bgr = drawBoard(board, camera, pose, shot);
-      const auto light = boardExposure(board, trueView(board, camera, pose, 3), kSize, bgr);
+      const auto light = exposureIn(board, bgr);
       ASSERT_TRUE(light) << blur_px;
       // the pixel's own square has a standard deviation of 1 / sqrt(12)
       EXPECT_NEAR(light->blur_px, std::hypot(blur_px, std::sqrt(1.0 / 12)), 0.2) << blur_px << " " << turn;
@@ -72,8 +79,7 @@ TEST(BoardExposure, BrightnessDoesNotDependOnTilt) {
   const Camera& camera = stage.rig.cameras[0];
   for (const double turn : {0.0, 0.6, 0.9, 1.1}) {
     const Pose pose = boardBefore(stage.board, camera, 0.45, Vec3(0, turn, 0));
-    const auto light = boardExposure(stage.board, trueView(stage.board, camera, pose, 3), kSize,
-                                     drawBoard(stage.board, camera, pose));
+    const auto light = exposureIn(stage.board, drawBoard(stage.board, camera, pose));
     if (!light) continue;  // too narrow to measure
     EXPECT_GT(light->white, 200) << turn;
     EXPECT_LT(light->black, 50) << turn;
@@ -82,10 +88,8 @@ TEST(BoardExposure, BrightnessDoesNotDependOnTilt) {
 
 TEST(BoardExposure, UniformGreyHasNoExposure) {
   const Stage stage;
-  const Pose pose = stage.before(0);
   const std::vector<std::uint8_t> grey(std::size_t(3) * 320 * 240, 128);
-  EXPECT_FALSE(boardExposure(stage.board, trueView(stage.board, stage.rig.cameras[0], pose), kSize, grey));
-  EXPECT_FALSE(boardExposure(stage.board, {}, kSize, grey));
+  EXPECT_FALSE(exposureIn(stage.board, grey));
 }
 
 TEST(BoardCollector, KeepsARestingBoardOnce) {
