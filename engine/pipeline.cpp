@@ -202,10 +202,10 @@ struct Pipeline::Parts {
     gpu_rig.pack(masks, silhouettes.masks().host());
   }
 
-  void hull(bool from_images) {
+  void hull(bool from_images, const FrameInput& input) {
     if (from_images) finishBackground();
     recorder.begin(Timing::kNone);
-    recordHull(from_images);
+    recordHull(from_images, input.missing_cameras);
     recorder.submitAndWait();
   }
 };
@@ -263,13 +263,13 @@ void Pipeline::setClay(std::unique_ptr<PreparedClay> prepared) {
   parts_->setClay(std::move(prepared));
 }
 
-void Pipeline::hullFromImages() {
-  parts_->hull(true);
+void Pipeline::hullFromImages(const FrameInput& input) {
+  parts_->hull(true, input);
 }
 
-void Pipeline::hullFromMasks(const std::vector<Mask>& masks) {
+void Pipeline::hullFromMasks(const std::vector<Mask>& masks, const FrameInput& input) {
   parts_->uploadMasks(masks);
-  parts_->hull(false);
+  parts_->hull(false, input);
 }
 
 void Pipeline::resetTracking() {

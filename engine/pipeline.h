@@ -87,8 +87,8 @@ class Pipeline {
   /// moves.
   FrameResult sculptWith(std::span<const HandPose> hands, const SculptControls& controls = {});
   /// Computes only silhouettes and voxel model, from the images in memory or from masks.
-  void hullFromImages();
-  void hullFromMasks(const std::vector<Mask>& masks);
+  void hullFromImages(const FrameInput& input = {});
+  void hullFromMasks(const std::vector<Mask>& masks, const FrameInput& input = {});
 
   /// Replaces or removes the clay; references to the old one become invalid. The tracker keeps its state. To
   /// change only control points, use Clay::setControlPoints(). \throw Error like Clay; then the old clay

@@ -65,10 +65,12 @@ void Player::computeHull(int frame) {
     pipeline_.learnBackground();
   }
   readFrame(frame);
+  FrameInput input;
+  input.missing_cameras = recording_.missingCameras();
   if (recording_.hasSilhouettes())
-    pipeline_.hullFromMasks(masks_);
+    pipeline_.hullFromMasks(masks_, input);
   else
-    pipeline_.hullFromImages();
+    pipeline_.hullFromImages(input);
 }
 
 }  // namespace airclay
