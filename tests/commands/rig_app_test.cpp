@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "capture/images/image_file.h"
+#include "capture/images/video_writer.h"
 #include "engine/camera/rig_diagnostics.h"
 #include "engine/core/file_io.h"
 #include "engine/hull/silhouette_agreement.h"
@@ -136,6 +137,34 @@ TEST(CheckApp, ReportsLoopsOfSymbolicLinks) {
     std::filesystem::remove(take / "rig.toml");
     std::filesystem::create_symlink("rig.toml", take / "rig.toml");
   }
+}
+
+TEST(CheckApp, ReportsRatesPixelsAndMissingImages) {
+  const TemporaryFolder folder;
+  const Rig rig = ringRig(3, 64, 48);
+  writeRig(folder / "rig.toml", rig);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double rate_hz = c == 1 ? 15 : 30;
+    VideoWriter writer(folder / (rig.cameras[c].name + ".mp4"),
+                       {{64, 48}, rate_hz, VideoWriter::Format::kBgr8});
+    for (int frame = 0; frame < (c == 1 ? 10 : 19); ++frame)
+      writer.write(std::vector<std::uint8_t>(std::size_t(64 * 48 * 3), 128));
+    writer.finish();
+  }
+  const RunResult ran = runAirclay({"check", folder.path().string(), "--json"});
+  ASSERT_EQ(ran.status, 0) << ran.errors << ran.output;
+  const json take = json::parse(ran.output);
+  EXPECT_EQ(take["frames"], 19);
+  EXPECT_NEAR(take["rate_hz"].get<double>(), 30, 1e-3);
+  EXPECT_NEAR(take["cameras"][1]["rate_hz"].get<double>(), 15, 1e-3);
+  EXPECT_EQ(take["cameras"][1]["pixels"], "yuv420p, 8 bits");
+  EXPECT_EQ(take["cameras"][1]["missing_frames"], 0);
+  ASSERT_EQ(take["warnings"].size(), 1u) << ran.output;
+  EXPECT_NE(take["warnings"][0].get<std::string>().find("has no image in 9"), std::string::npos) << ran.output;
+  const RunResult unknown = runAirclay({"check", folder.path().string(), "--offset", "middle=3"});
+  EXPECT_NE(unknown.status, 0);
+  EXPECT_NE(unknown.errors.find("\"middle\""), std::string::npos) << unknown.errors;
+  EXPECT_EQ(runAirclay({"check", folder.path().string(), "--offset", "cam1"}).status, 2);
 }
 
 TEST(CheckApp, ListsEveryError) {
