@@ -193,7 +193,7 @@ struct Pipeline::Parts {
     result.clay = sculptor->step();
   }
 
-  void uploadMasks(const std::vector<Mask>& masks) {
+  void uploadMasks(const std::vector<Silhouette>& masks) {
     const std::vector<Camera>& cameras = gpu_rig.rig().cameras;
     if (masks.size() != cameras.size()) throw Error("expected one mask per camera");
     for (std::size_t c = 0; c < cameras.size(); ++c)
@@ -236,12 +236,12 @@ FrameResult Pipeline::trackImages(const FrameInput& input) {
   return parts_->process(true, std::nullopt, input);
 }
 
-FrameResult Pipeline::trackMasks(const std::vector<Mask>& masks, const FrameInput& input) {
+FrameResult Pipeline::trackSilhouettes(const std::vector<Silhouette>& masks, const FrameInput& input) {
   parts_->uploadMasks(masks);
   return parts_->process(false, std::nullopt, input);
 }
 
-FrameResult Pipeline::processMasks(const std::vector<Mask>& masks, const SculptControls& controls,
+FrameResult Pipeline::processSilhouettes(const std::vector<Silhouette>& masks, const SculptControls& controls,
                                    const FrameInput& input) {
   parts_->uploadMasks(masks);
   return parts_->process(false, controls, input);
@@ -267,7 +267,7 @@ void Pipeline::hullFromImages(const FrameInput& input) {
   parts_->hull(true, input);
 }
 
-void Pipeline::hullFromMasks(const std::vector<Mask>& masks, const FrameInput& input) {
+void Pipeline::hullFromSilhouettes(const std::vector<Silhouette>& masks, const FrameInput& input) {
   parts_->uploadMasks(masks);
   parts_->hull(false, input);
 }

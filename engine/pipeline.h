@@ -76,11 +76,11 @@ class Pipeline {
   /// Processes the images in memory through all stages. \pre learnBackground() was called
   FrameResult processImages(const SculptControls& controls = {}, const FrameInput& input = {});
   /// The same from masks instead of images, one per camera.
-  FrameResult processMasks(const std::vector<Mask>& masks, const SculptControls& controls = {},
+  FrameResult processSilhouettes(const std::vector<Silhouette>& masks, const SculptControls& controls = {},
                            const FrameInput& input = {});
   /// Only tracks the hand, so that the caller can check the pose before sculptWith().
   FrameResult trackImages(const FrameInput& input = {});
-  FrameResult trackMasks(const std::vector<Mask>& masks, const FrameInput& input = {});
+  FrameResult trackSilhouettes(const std::vector<Silhouette>& masks, const FrameInput& input = {});
   /// A frame without cameras: runs only the clay stage with the given hands, at most kMaxHands; the first one
   /// sculpts. The tracker keeps its state. Between such a frame and one with cameras the hand's path is
   /// unknown, so the clay does not move in the first frame of either kind. Without hands or clay, nothing
@@ -88,7 +88,7 @@ class Pipeline {
   FrameResult sculptWith(std::span<const HandPose> hands, const SculptControls& controls = {});
   /// Computes only silhouettes and voxel model, from the images in memory or from masks.
   void hullFromImages(const FrameInput& input = {});
-  void hullFromMasks(const std::vector<Mask>& masks, const FrameInput& input = {});
+  void hullFromSilhouettes(const std::vector<Silhouette>& masks, const FrameInput& input = {});
 
   /// Replaces or removes the clay; references to the old one become invalid. The tracker keeps its state. To
   /// change only control points, use Clay::setControlPoints(). \throw Error like Clay; then the old clay

@@ -73,9 +73,9 @@ void expectSuccess(const std::vector<std::string>& arguments,
 void writeSphereTake(const fs::path& folder, const Rig& rig, const Vec3& centre, double radius_m) {
   fs::create_directories(folder);
   writeRig(folder / "rig.toml", rig, RotationFormat::kMatrices);
-  const std::vector<Mask> masks = sphereMasks(rig, centre, radius_m);
+  const std::vector<Silhouette> masks = sphereMasks(rig, centre, radius_m);
   for (std::size_t c = 0; c < masks.size(); ++c) {
-    Mask mask = masks[c];
+    Silhouette mask = masks[c];
     const fs::path file = folder / "silhouettes" / rig.cameras[c].name / "000003.png";
     fs::create_directories(file.parent_path());
     ASSERT_TRUE(cv::imwrite(file, cv::Mat(mask.height, mask.width, CV_8UC1, mask.pixels.data())));

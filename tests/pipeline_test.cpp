@@ -145,7 +145,7 @@ TEST(Pipeline, ClayStaysWithoutHandOrClutch) {
   EXPECT_EQ(session.surface(), dented);
   // a ball is visible, but not a hand
   EXPECT_EQ(
-      session.pipeline.processMasks(sphereMasks(session.recording.rig(), Vec3(0.02, 0.03, 0), 0.06)).state(),
+      session.pipeline.processSilhouettes(sphereMasks(session.recording.rig(), Vec3(0.02, 0.03, 0), 0.06)).state(),
       HandState::kLost);
   EXPECT_EQ(session.surface(), dented);
   // the hand returns deep inside the clay: what is inside it does not move
@@ -185,7 +185,7 @@ TEST(Pipeline, MasksReplaceSegmentation) {
   std::vector<double> shifts_m, turns_degrees;
   for (int frame = 10; frame < 40; frame += 2) {
     const Pose truth = *script.at(frame / 30.0);
-    const FrameResult result = pipeline.processMasks(cameras.masks(truth));
+    const FrameResult result = pipeline.processSilhouettes(cameras.masks(truth));
     ASSERT_EQ(result.state(), HandState::kTracked) << "frame " << frame;
     EXPECT_EQ(result.searched, frame == 10);
     const PoseError error = poseError(result.trackedHand()->pose.world_from_hand, truth, Vec3::Zero());
@@ -223,8 +223,8 @@ TEST(Pipeline, GivenHandSculptsWithoutCameras) {
   EXPECT_NE(pressed, before);
 
   // camera frames in between: the given hand's path to its new position is unknown
-  std::vector<Mask> masks = sphereMasks(rig, Vec3::Zero(), 0.002);
-  EXPECT_EQ(pipeline.processMasks(masks).state(), HandState::kEmpty);
+  std::vector<Silhouette> masks = sphereMasks(rig, Vec3::Zero(), 0.002);
+  EXPECT_EQ(pipeline.processSilhouettes(masks).state(), HandState::kEmpty);
   pipeline.sculptWith(std::array{HandPose{handAt(0.2), {}}});
   EXPECT_EQ(pipeline.clay().surface().points, pressed);
   EXPECT_EQ(pipeline.sculptWith(std::array{HandPose{handAt(0.1), {}}}, {.held = false}).clay.touched, 0);
@@ -252,15 +252,15 @@ TEST(Pipeline, RejectsInvalidInput) {
   const Rig rig = ringRig(4);
   Pipeline pipeline(testGpu(), rig, builtInHand(false));
   EXPECT_NE(messageOf([&] { pipeline.processImages(); }).find("empty"), std::string::npos);
-  std::vector<Mask> masks = sphereMasks(rig, Vec3::Zero(), 0.05);
+  std::vector<Silhouette> masks = sphereMasks(rig, Vec3::Zero(), 0.05);
   masks.pop_back();
-  EXPECT_NE(messageOf([&] { pipeline.processMasks(masks); }).find("one mask per camera"), std::string::npos);
+  EXPECT_NE(messageOf([&] { pipeline.processSilhouettes(masks); }).find("one mask per camera"), std::string::npos);
   masks = sphereMasks(rig, Vec3::Zero(), 0.05);
   masks[2].width /= 2;
-  EXPECT_NE(messageOf([&] { pipeline.processMasks(masks); }).find("cam2"), std::string::npos);
+  EXPECT_NE(messageOf([&] { pipeline.processSilhouettes(masks); }).find("cam2"), std::string::npos);
   // the pipeline still works
   masks = sphereMasks(rig, Vec3::Zero(), 0.002);
-  EXPECT_EQ(pipeline.processMasks(masks).state(), HandState::kEmpty);
+  EXPECT_EQ(pipeline.processSilhouettes(masks).state(), HandState::kEmpty);
   EXPECT_THROW(Pipeline(testGpu(), rig, builtInHand(false), {0}), Error);
   EXPECT_THROW(Pipeline(testGpu(), rig, builtInHand(false), {1'000'000'000}), Error);
 }

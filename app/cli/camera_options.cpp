@@ -12,7 +12,7 @@ namespace airclay {
 namespace {
 
 [[noreturn]] void refuse(const std::string& option, const std::string& value, const std::string& right) {
-  throw Error(option + " " + value + ": " + right + " would be right", Fault::kUsage);
+  throw Error(option + " " + value + "; expected " + right, Fault::kUsage);
 }
 
 ImageSize sizeOf(const std::string& text) {
@@ -31,11 +31,11 @@ std::vector<NamedSource> CameraOptions::sources() const {
     NamedSource source = parseNamedSource(text);
     if (std::any_of(sources.begin(), sources.end(),
                     [&](const NamedSource& other) { return other.name == source.name; }))
-      refuse("--camera", text, "this camera name is already used; another name");
+      refuse("--camera", text, "another name; this one is already used");
     sources.push_back(std::move(source));
   }
   if (sources.size() > kMaxCameras)
-    refuse("--camera", std::to_string(sources.size()) + " cameras", std::to_string(kMaxCameras) + " at most");
+    refuse("--camera", std::to_string(sources.size()) + " cameras", "at most " + std::to_string(kMaxCameras));
   return sources;
 }
 
@@ -52,7 +52,7 @@ SourceOptions CameraOptions::sourceOptions() const {
   if (at == std::string::npos) return options;
   options.rate_hz = parseNumber(mode.substr(at + 1));
   if (!options.rate_hz || !(*options.rate_hz > 0 && *options.rate_hz <= 1000))
-    refuse("--mode", mode, "a rate above 0 and at most 1000, as 640x480@30,");
+    refuse("--mode", mode, "a rate above 0 and at most 1000, as 640x480@30");
   return options;
 }
 
@@ -62,7 +62,7 @@ std::vector<LiveCamera> CameraOptions::live(const std::vector<NamedSource>& sour
   for (const std::string& text : offsets) {
     const auto [name, offset_s] = parseOffset(text);
     const auto found = std::ranges::find(all, name, &LiveCamera::name);
-    if (found == all.end()) refuse("--offset", text, "NAME=MS with the name of a --camera, as left=12.5,");
+    if (found == all.end()) refuse("--offset", text, "NAME=MS with the name of a --camera, as left=12.5");
     found->offset_s = offset_s;
   }
   return all;
@@ -81,7 +81,7 @@ std::pair<std::string, double> parseOffset(const std::string& text) {
   const std::size_t equals = text.rfind('=');
   const std::optional<double> offset_ms =
       equals == std::string::npos ? std::nullopt : parseNumber(text.substr(equals + 1));
-  if (!offset_ms || equals == 0) refuse("--offset", text, "NAME=MS with the name of a camera, as left=12.5,");
+  if (!offset_ms || equals == 0) refuse("--offset", text, "NAME=MS with the name of a camera, as left=12.5");
   return {text.substr(0, equals), *offset_ms / 1000};
 }
 

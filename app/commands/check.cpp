@@ -126,8 +126,8 @@ void checkTake(const CheckInputOptions& options, Findings& findings) {
     if (take.hasImages() && take.backgroundFrames() >= take.frameCount())
       findings.addError(folder.string() + ": it has " +
                         counted(static_cast<std::size_t>(take.frameCount()), "frame") +
-                        ", all of which --background takes for the empty workspace; more frames, or " +
-                        "background/NAME.png, would be right");
+                        ", all of which --background takes for the empty workspace; expected more frames, or " +
+                        "background/NAME.png");
   });
 }
 

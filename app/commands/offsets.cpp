@@ -25,13 +25,12 @@ struct OffsetsOptions : CommonOptions {
 };
 
 /// The centroid of a silhouette; nullopt if it is too small.
-std::optional<Vec2> centroidOf(const Mask& mask) {
+std::optional<Vec2> centroidOf(const Silhouette& mask) {
   Vec2 sum = Vec2::Zero();
   std::size_t count = 0;
   for (int y = 0; y < mask.height; ++y)
     for (int x = 0; x < mask.width; ++x)
-      if (mask.pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(mask.width) +
-                      static_cast<std::size_t>(x)]) {
+      if (mask.contains(x, y)) {
         sum += Vec2(x, y);
         ++count;
       }
@@ -51,7 +50,7 @@ std::vector<MotionSeries> motionIn(const OffsetsOptions& options, Take& take) {
     if (played->background) continue;
     std::vector<double> times_s = take.cameraTimesOf(played->frame);
     if (times_s.empty()) times_s.assign(series.size(), take.timeOf(played->frame));
-    const std::vector<Mask> masks = pipeline.gpuRig().unpack(pipeline.silhouettes().masks().host());
+    const std::vector<Silhouette> masks = pipeline.gpuRig().unpack(pipeline.silhouettes().masks().host());
     for (std::size_t c = 0; c < series.size(); ++c) {
       if (take.missingCameras() >> c & 1) continue;
       const std::optional<Vec2> centroid = centroidOf(masks[c]);

@@ -51,11 +51,11 @@ RgbaImage cameraImage(const GpuRig& rig, const Buffer<std::uint32_t>& images, st
 }
 
 /// The part of a mask around its set pixels, unscaled.
-RgbaImage maskImage(const Mask& mask, ImageSize size) {
+RgbaImage maskImage(const Silhouette& mask, ImageSize size) {
   long x_sum = 0, y_sum = 0, count = 0;
   for (int y = 0; y < mask.height; ++y)
     for (int x = 0; x < mask.width; ++x)
-      if (mask.pixels[std::size_t(y) * std::size_t(mask.width) + std::size_t(x)]) {
+      if (mask.contains(x, y)) {
         x_sum += x;
         y_sum += y;
         ++count;
@@ -67,7 +67,7 @@ RgbaImage maskImage(const Mask& mask, ImageSize size) {
   for (int y = top; y < top + size.height; ++y)
     for (int x = left; x < left + size.width; ++x) {
       const bool inside = x >= 0 && y >= 0 && x < mask.width && y < mask.height;
-      if (inside && mask.pixels[std::size_t(y) * std::size_t(mask.width) + std::size_t(x)])
+      if (inside && mask.contains(x, y))
         image.rgba.insert(image.rgba.end(), {243, 238, 230, 255});
       else
         image.rgba.insert(image.rgba.end(), {58, 62, 68, 255});
@@ -78,7 +78,7 @@ RgbaImage maskImage(const Mask& mask, ImageSize size) {
 /// The synthetic cameras before a hand without its forearm.
 struct Photographs {
   std::vector<RgbaImage> images;
-  std::vector<Mask> masks;
+  std::vector<Silhouette> masks;
 };
 Photographs photograph(Gpu& gpu, const GpuRig& rig, const std::vector<TriangleMesh>& meshes,
                        const Pose& world_from_hand) {
@@ -89,7 +89,7 @@ Photographs photograph(Gpu& gpu, const GpuRig& rig, const std::vector<TriangleMe
   for (std::size_t i = 0; i < rig.cameraCount(); ++i) {
     const Camera& camera = rig.rig().cameras[i];
     result.images.push_back(cameraImage(rig, sensor.images(), i));
-    Mask mask{camera.width, camera.height, {}};
+    Silhouette mask{camera.width, camera.height, {}};
     for (const double share : sensor.coverage(i)) mask.pixels.push_back(share > 0.5 ? 255 : 0);
     result.masks.push_back(std::move(mask));
   }

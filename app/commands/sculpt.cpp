@@ -75,7 +75,7 @@ SculptControls controlsFrom(const SculptOptions& options) {
   for (const char axis : options.symmetry) {
     if (axis != 'x' && axis != 'y' && axis != 'z')
       throw Error("--symmetry " + printable(options.symmetry) +
-                      " is not a set of axes; x, y, z or several of them would be right: xy",
+                      " is not a set of axes; expected x, y, z or several of them, as xy",
                   Fault::kUsage);
     (axis == 'x' ? controls.symmetry.x : axis == 'y' ? controls.symmetry.y : controls.symmetry.z) = true;
   }
@@ -193,10 +193,10 @@ void sculptTake(const SculptOptions& options) {
 /// With live cameras.
 void sculptLive(const SculptOptions& options) {
   if (!options.take.folder.empty())
-    throw Error("a recording and live cameras exclude each other; either TAKE or --rig would be right",
+    throw Error("a recording and live cameras exclude each other; give either TAKE or --rig",
                 Fault::kUsage);
   if (options.rig.empty())
-    throw Error("live cameras need a calibration: --rig RIG.toml would be right", Fault::kUsage);
+    throw Error("live cameras need a calibration; give --rig RIG.toml", Fault::kUsage);
   controlsFrom(options);  // checks the options before anything opens
   const Rig rig = readRig(options.rig, parseUnits(options.take.units));
   CameraOptions cameras = options.cameras;
@@ -212,8 +212,7 @@ void sculptLive(const SculptOptions& options) {
 /// Without cameras: mouse and keys move the hand.
 void sculptByMouse(const SculptOptions& options) {
   if (!usesWindow(options) && options.clay.ends_with(".clay"))
-    throw Error("the studio needs a display; without a window, airclay sculpt TAKE --clay " + options.clay +
-                    " would be right",
+    throw Error("the studio needs a display; without a window, use airclay sculpt TAKE --clay " + options.clay,
                 Fault::kUsage);
   if (!usesWindow(options))
     throw Error("no recording given: airclay sculpt TAKE; without one, the studio needs a display",
@@ -278,7 +277,7 @@ void acceptDocumentAsTake(SculptOptions& options, bool clay_given) {
   if (!options.take.folder.ends_with(".clay") || std::filesystem::is_directory(options.take.folder)) return;
   if (clay_given)
     throw Error(options.take.folder + ": a document, and --clay " + options.clay +
-                    " exclude each other; one of them would be right",
+                    " exclude each other; give one of them",
                 Fault::kUsage);
   options.clay = std::exchange(options.take.folder, {});
 }

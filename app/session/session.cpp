@@ -250,10 +250,10 @@ bool Session::frameFromRecording() {
   next.learning = done.learned;
   bool used = true;
   if (recording.hasSilhouettes()) {
-    std::vector<Mask> masks;
+    std::vector<Silhouette> masks;
     for (std::size_t c = 0; c < set_.bytes.size(); ++c)
       masks.push_back({options_.rig.cameras[c].width, options_.rig.cameras[c].height, set_.bytes[c]});
-    next.result = pipeline_.trackMasks(masks, {done.missing_cameras, set_.camera_times_s});
+    next.result = pipeline_.trackSilhouettes(masks, {done.missing_cameras, set_.camera_times_s});
   } else {
     copyImages(set_);
     if (next.learning)

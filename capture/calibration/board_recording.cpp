@@ -65,9 +65,9 @@ std::vector<std::string> cameraNames(const path& folder) {
       names.insert(name);
   }
   if (names.size() < 2 || names.size() > static_cast<std::size_t>(kMaxCameras))
-    throw Error(folder.string() + ": it holds the frames of " + std::to_string(names.size()) +
-                (names.size() == 1 ? " camera" : " cameras") + "; NAME.mp4, .mkv or .avi, or images " +
-                "NAME/000000.png and on, of 2 to " + std::to_string(kMaxCameras) + " would be right");
+    throw Error(folder.string() + ": it contains the frames of " + std::to_string(names.size()) +
+                (names.size() == 1 ? " camera" : " cameras") + "; expected NAME.mp4, .mkv or .avi, or images " +
+                "NAME/000000.png and on, of 2 to " + std::to_string(kMaxCameras));
   std::vector<std::string> sorted(names.begin(), names.end());
   std::sort(sorted.begin(), sorted.end(), comesBefore);
   return sorted;
@@ -245,8 +245,7 @@ void BoardRecording::Parts::failUnseen(const Board& board) {
   }
   throw Error(folder.string() + ": no camera saw " + describeBoard(board) + "; " +
               (seen.empty()
-                   ? "the board that was recorded (--squares, --dictionary, --invert), large enough and "
-                     "well lit, would be right"
+                   ? "expected the recorded board (--squares, --dictionary, --invert), large enough and well lit"
                    : "there are " + seen +
                          ": --dictionary, --squares, --invert and --chessboard say which board it is"));
 }
@@ -356,8 +355,8 @@ const std::vector<std::string>& BoardRecording::notes() const {
 std::vector<CameraViews> BoardRecording::findBoards(const BoardDetector& detector,
                                                     const BoardSearch& search) {
   if (search.also && *search.also >= parts_->frame_count)
-    throw Error(parts_->folder.string() + ": there is no frame " + std::to_string(*search.also) + "; 0 to " +
-                std::to_string(parts_->frame_count - 1) + " would be right");
+    throw Error(parts_->folder.string() + ": there is no frame " + std::to_string(*search.also) + "; expected 0 to " +
+                std::to_string(parts_->frame_count - 1));
   std::vector<CameraViews> found =
       Search(parts_->cameras, detector, parts_->instantsToSearch(search)).run(search.threads);
   for (std::size_t c = 0; c < found.size(); ++c)

@@ -106,8 +106,8 @@ std::unique_ptr<CameraSource> LiveCameras::Shared::reopen(std::size_t index) {
   try {
     source = feed.camera.open();
     if (source->size() != feed.size) {
-      fault = "camera \"" + feed.camera.name + "\" came back with " + describe(source->size()) + "; " +
-              describe(feed.size) + ", as before, would be right";
+      fault = "camera \"" + feed.camera.name + "\" came back with " + describe(source->size()) + "; expected " +
+              describe(feed.size) + " as before";
       source.reset();
     }
   } catch (const std::exception& error) {
@@ -371,16 +371,15 @@ std::vector<NamedSource> inOrderOf(const Rig& rig, const std::vector<NamedSource
     const auto found = std::find_if(sources.begin(), sources.end(),
                                     [&](const NamedSource& source) { return source.name == camera.name; });
     if (found == sources.end())
-      throw Error("the rig's camera \"" + camera.name + "\" has no source; --camera " + camera.name +
-                      "=SOURCE would be right",
+      throw Error("the rig's camera \"" + camera.name + "\" has no source; give --camera " + camera.name +
+                      "=SOURCE",
                   Fault::kUsage);
     ordered.push_back(*found);
   }
   for (const NamedSource& source : sources)
     if (std::none_of(rig.cameras.begin(), rig.cameras.end(),
                      [&](const Camera& camera) { return camera.name == source.name; }))
-      throw Error("--camera " + source.name + "=...: the rig has no camera of this name; one of " + names +
-                      " would be right",
+      throw Error("--camera " + source.name + "=...: the rig has no camera with this name; expected one of " + names,
                   Fault::kUsage);
   return ordered;
 }
@@ -390,8 +389,8 @@ void checkSizes(const Rig& rig, const LiveCameras& cameras) {
   for (std::size_t c = 0; c < all.size() && c < rig.cameras.size(); ++c) {
     const ImageSize right{rig.cameras[c].width, rig.cameras[c].height};
     if (all[c].size != right)
-      throw Error("camera \"" + all[c].name + "\" gives " + describe(all[c].size) + "; the rig's " +
-                  describe(right) + " would be right");
+      throw Error("camera \"" + all[c].name + "\" gives " + describe(all[c].size) + "; expected the rig's " +
+                  describe(right));
   }
 }
 

@@ -9,8 +9,8 @@ namespace airclay {
 Player::Player(Recording& recording, Pipeline& pipeline) : recording_(recording), pipeline_(pipeline) {
   const std::vector<Camera>& cameras = recording_.rig().cameras;
   if (recording_.hasSilhouettes()) {
-    for (const Camera& camera : cameras) masks_.push_back(emptyMask(camera));
-    for (Mask& mask : masks_) buffers_.emplace_back(mask.pixels);
+    for (const Camera& camera : cameras) masks_.push_back(emptySilhouette(camera));
+    for (Silhouette& mask : masks_) buffers_.emplace_back(mask.pixels);
     return;
   }
   for (std::size_t i = 0; i < cameras.size(); ++i) buffers_.push_back(pipeline_.image(i));
@@ -50,7 +50,7 @@ std::optional<PlayedFrame> Player::next(const SculptControls& controls) {
   if (played.background)
     pipeline_.learnBackground();
   else
-    played.result = recording_.hasSilhouettes() ? pipeline_.processMasks(masks_, controls, input)
+    played.result = recording_.hasSilhouettes() ? pipeline_.processSilhouettes(masks_, controls, input)
                                                 : pipeline_.processImages(controls, input);
   return played;
 }
@@ -68,7 +68,7 @@ void Player::computeHull(int frame) {
   FrameInput input;
   input.missing_cameras = recording_.missingCameras();
   if (recording_.hasSilhouettes())
-    pipeline_.hullFromMasks(masks_, input);
+    pipeline_.hullFromSilhouettes(masks_, input);
   else
     pipeline_.hullFromImages(input);
 }

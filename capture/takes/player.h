@@ -37,7 +37,7 @@ class Player {
   Recording& recording_;
   Pipeline& pipeline_;
   std::vector<std::span<std::uint8_t>> buffers_;  ///< the pipeline's images, or masks_
-  std::vector<Mask> masks_;
+  std::vector<Silhouette> masks_;
   int next_ = 0;
 };
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "capture/takes/poses_file.h"
-#include "engine/camera/mask.h"
+#include "engine/camera/silhouette_image.h"
 #include "engine/camera/rig.h"
 #include "engine/core/clock.h"
 
@@ -55,7 +55,7 @@ class Recording {
   /// Reads a frame of every camera, BGR, 3 bytes per pixel; false after the last frame. Fastest in ascending
   /// order. \pre hasImages()
   virtual bool readImages(int frame, Buffers bgr) = 0;
-  /// Reads a frame's masks, 1 byte per pixel: 255 object, 0 background; false after the last frame. \pre
+  /// Reads a frame's silhouettes, 1 byte per pixel (Silhouette::pixels); false after the last frame. \pre
   /// hasSilhouettes()
   virtual bool readSilhouettes(int /*frame*/, Buffers /*masks*/) { return false; }
   /// Reads images of the empty workspace, BGR. \pre hasBackground()
@@ -72,11 +72,11 @@ class Recording {
 };
 
 /// A frame's masks, one per camera. \pre recording.hasSilhouettes() and 0 <= frame < recording.frameCount()
-inline std::vector<Mask> silhouettesOf(Recording& recording, int frame) {
-  std::vector<Mask> masks;
-  for (const Camera& camera : recording.rig().cameras) masks.push_back(emptyMask(camera));
+inline std::vector<Silhouette> silhouettesOf(Recording& recording, int frame) {
+  std::vector<Silhouette> masks;
+  for (const Camera& camera : recording.rig().cameras) masks.push_back(emptySilhouette(camera));
   std::vector<std::span<std::uint8_t>> buffers;
-  for (Mask& mask : masks) buffers.emplace_back(mask.pixels);
+  for (Silhouette& mask : masks) buffers.emplace_back(mask.pixels);
   recording.readSilhouettes(frame, buffers);
   return masks;
 }

@@ -68,11 +68,11 @@ void checkBuffers(const Rig& rig, Take::Buffers buffers, size_t bytes_per_pixel)
   if (!fits) throw std::logic_error("Take: the buffers do not have the rig's sizes");
 }
 
-void binarize(std::span<std::uint8_t> mask, const path& file) {
+/// A mask of 0 and 1 would be a silhouette of very low probability.
+void checkRange(std::span<const std::uint8_t> mask, const path& file) {
   const std::uint8_t brightest = *std::max_element(mask.begin(), mask.end());
   if (brightest == 1)
     throw Error(file.string() + ": the mask's largest value is 1; expected 255 for the object");
-  for (std::uint8_t& pixel : mask) pixel = pixel >= 128 ? 255 : 0;
 }
 
 }  // namespace
@@ -330,7 +330,7 @@ bool Take::readSilhouettes(int frame, Buffers masks) {
       continue;
     }
     readImage(found->second, sizeOf(parts_->rig.cameras[i]), PixelFormat::kGrey8, masks[i]);
-    binarize(masks[i], found->second);
+    checkRange(masks[i], found->second);
   }
   return true;
 }

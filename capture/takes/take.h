@@ -59,7 +59,7 @@ class Take : public Recording {
   /// Decodes a frame of every camera, BGR, 3 bytes per pixel; false after the last frame. In ascending order
   /// this decodes one image per camera; otherwise it decodes the video up to the frame. \pre hasImages()
   bool readImages(int frame, Buffers bgr) override;
-  /// Reads a frame's masks, 1 byte per pixel: 255 object, 0 background. A missing file is an empty mask. \pre
+  /// Reads a frame's silhouettes, 1 byte per pixel (Silhouette::pixels). A missing file is an empty one. \pre
   /// hasSilhouettes()
   bool readSilhouettes(int frame, Buffers masks) override;
   /// Reads images of the empty workspace, BGR. \pre hasBackground()

@@ -30,14 +30,14 @@ std::size_t bytesOf(const Camera& camera) {
   return std::size_t(3) * std::size_t(camera.width) * std::size_t(camera.height);
 }
 
-std::size_t countSet(const Mask& mask) {
+std::size_t countSet(const Silhouette& mask) {
   return mask.pixels.size() - std::size_t(std::count(mask.pixels.begin(), mask.pixels.end(), 0));
 }
 
 /// Whether at least two cameras have a silhouette.
-bool isUsable(const MaskSet& masks) {
+bool isUsable(const SilhouetteSet& masks) {
   return std::count_if(masks.begin(), masks.end(),
-                       [](const Mask& mask) { return countSet(mask) >= kMinSilhouettePixels; }) >= 2;
+                       [](const Silhouette& mask) { return countSet(mask) >= kMinSilhouettePixels; }) >= 2;
 }
 
 /// Selects `count` elements of `all`, evenly spread, in order.
@@ -61,7 +61,7 @@ class Inspector {
     if (!result_.findings.empty() || options_.instants == 0) return std::move(result_);
     try {
       if (!masks_.empty())
-        takeMasks();
+        takeSilhouettes();
       else
         segment();
     } catch (const Error& error) {
@@ -134,15 +134,15 @@ class Inspector {
                            std::to_string(camera.height));
   }
 
-  void takeMasks() {
+  void takeSilhouettes() {
     std::set<int> numbers;
     for (const std::map<int, path>& of_camera : masks_)
       for (const auto& [number, file] : of_camera) numbers.insert(number);
     for (const int number : spread({numbers.begin(), numbers.end()}, 4 * options_.instants)) {
-      MaskSet set;
+      SilhouetteSet set;
       for (std::size_t i = 0; i < rig_.cameras.size(); ++i) {
         const Camera& camera = rig_.cameras[i];
-        Mask mask{camera.width, camera.height, BgrImage(bytesOf(camera) / 3)};
+        Silhouette mask{camera.width, camera.height, BgrImage(bytesOf(camera) / 3)};
         const auto found = masks_[i].find(number);
         if (found != masks_[i].end()) {
           readImage(found->second, sizeOf(camera), PixelFormat::kGrey8, mask.pixels);
@@ -154,7 +154,7 @@ class Inspector {
     }
   }
 
-  void addInstant(MaskSet set) {
+  void addInstant(SilhouetteSet set) {
     if (static_cast<int>(result_.instants.size()) < options_.instants && isUsable(set))
       result_.instants.push_back(std::move(set));
   }
@@ -175,7 +175,7 @@ class Inspector {
     std::vector<int> numbers;
     for (int frame = empty; frame < count; ++frame) numbers.push_back(frame);
     const std::vector<int> chosen = spread(numbers, 2 * options_.instants);
-    std::vector<MaskSet> sets(chosen.size());
+    std::vector<SilhouetteSet> sets(chosen.size());
     for (std::size_t i = 0; i < rig_.cameras.size(); ++i) {
       const std::vector<BackgroundPixel> background = backgroundOf(i, empty);
       for (std::size_t k = 0; k < chosen.size(); ++k) {
@@ -186,7 +186,7 @@ class Inspector {
         reportProgress(double(i * chosen.size() + k + 1) / double(chosen.size() * rig_.cameras.size()));
       }
     }
-    for (MaskSet& set : sets) addInstant(std::move(set));
+    for (SilhouetteSet& set : sets) addInstant(std::move(set));
   }
 
   /// The frames, if images are matched by their times; empty if by their numbers.
@@ -210,12 +210,12 @@ class Inspector {
     return learnBackgroundReference(shots);
   }
 
-  static Mask silhouette(const Camera& camera, const BgrImage& image,
+  static Silhouette silhouette(const Camera& camera, const BgrImage& image,
                          const std::vector<BackgroundPixel>& background) {
     std::vector<double> scores(background.size());
     for (std::size_t i = 0; i < scores.size(); ++i)
       scores[i] = scoreReference(Vec3(image[3 * i], image[3 * i + 1], image[3 * i + 2]), background[i]);
-    const Mask mask = majorityReference(edgesReference(camera.width, camera.height, scores));
+    const Silhouette mask = majorityReference(edgesReference(camera.width, camera.height, scores));
     return closeHolesReference(largestPartReference(mask), largestHole(camera.width));
   }
 

@@ -15,7 +15,7 @@ struct TakeInspection {
   std::vector<RigDiagnostic> findings;  ///< missing recordings, wrong sizes, unreadable masks
   SilhouetteSource source = SilhouetteSource::kKnown;
   /// Silhouettes in the rig's order, spread over the recording; empty if there are findings.
-  std::vector<MaskSet> instants;
+  std::vector<SilhouetteSet> instants;
 };
 
 /// Finds the rig's cameras in a take's folder, fills in missing image sizes, and extracts silhouettes: the

@@ -139,7 +139,7 @@ std::uint32_t GpuRig::lensKinds() const {
   return kinds;
 }
 
-void GpuRig::pack(const std::vector<Mask>& masks, std::span<std::uint32_t> words) const {
+void GpuRig::pack(const std::vector<Silhouette>& masks, std::span<std::uint32_t> words) const {
   std::fill(words.begin(), words.end(), 0u);
   for (std::size_t m = 0; m < masks.size(); ++m) {
     const GpuCamera& camera = host_cameras_[m];
@@ -147,15 +147,15 @@ void GpuRig::pack(const std::vector<Mask>& masks, std::span<std::uint32_t> words
       const std::uint8_t* row = masks[m].pixels.data() + std::size_t(y) * camera.width;
       std::uint32_t* packed = words.data() + camera.mask_words + y * camera.row_words;
       for (std::uint32_t x = 0; x < camera.width; ++x)
-        packed[x / 32] |= std::uint32_t(row[x] != 0) << (x % 32);
+        packed[x / 32] |= std::uint32_t(row[x] >= Silhouette::kThreshold) << (x % 32);
     }
   }
 }
 
-std::vector<Mask> GpuRig::unpack(std::span<const std::uint32_t> words) const {
-  std::vector<Mask> masks;
+std::vector<Silhouette> GpuRig::unpack(std::span<const std::uint32_t> words) const {
+  std::vector<Silhouette> masks;
   for (const GpuCamera& camera : host_cameras_) {
-    Mask mask{static_cast<int>(camera.width), static_cast<int>(camera.height), {}};
+    Silhouette mask{static_cast<int>(camera.width), static_cast<int>(camera.height), {}};
     mask.pixels.resize(std::size_t(camera.width) * camera.height);
     for (std::uint32_t y = 0; y < camera.height; ++y)
       for (std::uint32_t x = 0; x < camera.width; ++x)

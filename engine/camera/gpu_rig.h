@@ -2,7 +2,7 @@
 // A rig in device memory: its cameras, and the memory layout of their masks and images.
 #pragma once
 
-#include "engine/camera/mask.h"
+#include "engine/camera/silhouette_image.h"
 #include "engine/camera/rig.h"
 #include "engine/gpu/buffer.h"
 #include "shaders/camera/camera_io.h"
@@ -51,9 +51,9 @@ class GpuRig {
   std::uint32_t lensKinds() const;
 
   /// Packs masks, one per camera, to one bit per pixel. \pre each mask has its camera's size
-  void pack(const std::vector<Mask>& masks, std::span<std::uint32_t> words) const;
+  void pack(const std::vector<Silhouette>& masks, std::span<std::uint32_t> words) const;
   /// The inverse of pack().
-  std::vector<Mask> unpack(std::span<const std::uint32_t> words) const;
+  std::vector<Silhouette> unpack(std::span<const std::uint32_t> words) const;
 
  private:
   Rig rig_;

@@ -159,7 +159,7 @@ VoxelGrid Carver::download() const {
   return grid;
 }
 
-VoxelGrid carve(Gpu& gpu, const Rig& rig, const std::vector<Mask>& masks, int voxels) {
+VoxelGrid carve(Gpu& gpu, const Rig& rig, const std::vector<Silhouette>& masks, int voxels) {
   const GpuRig gpu_rig(gpu, rig);
   Carver carver(gpu, gpu_rig, voxels);
   std::vector<std::uint32_t> packed(gpu_rig.maskWords());

@@ -78,17 +78,17 @@ class Carver {
 /// The visual hull of one frame, carved on the GPU and copied to the CPU. For many frames, use Carver, which
 /// keeps its buffers. \pre one mask per camera, in the rig's order and of the cameras' sizes
 /// \throw Error unless kMinVoxels <= voxels <= kMaxVoxels.
-VoxelGrid carve(Gpu& gpu, const Rig& rig, const std::vector<Mask>& masks, int voxels = 128);
+VoxelGrid carve(Gpu& gpu, const Rig& rig, const std::vector<Silhouette>& masks, int voxels = 128);
 
 /// The reference implementation: voxel by voxel, in double precision.
-VoxelGrid carveReference(const Rig& rig, const std::vector<Mask>& masks, int voxels);
+VoxelGrid carveReference(const Rig& rig, const std::vector<Silhouette>& masks, int voxels);
 
 /// Whether the point projects, in any camera, to within `pixels` of a silhouette's edge or an image's border,
 /// where single and double precision may round to different pixels.
-bool isEdgePoint(const Rig& rig, const std::vector<Mask>& masks, const Vec3& point_in_world, double pixels);
+bool isEdgePoint(const Rig& rig, const std::vector<Silhouette>& masks, const Vec3& point_in_world, double pixels);
 
 /// isEdgePoint() of every voxel's centre, one byte per voxel.
-std::vector<std::uint8_t> edgeVoxels(const Rig& rig, const std::vector<Mask>& masks, int voxels,
+std::vector<std::uint8_t> edgeVoxels(const Rig& rig, const std::vector<Silhouette>& masks, int voxels,
                                      double pixels);
 
 /// The largest difference, in pixels, of a projected voxel centre in single and double precision, for images

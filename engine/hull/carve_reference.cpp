@@ -13,13 +13,9 @@ void forEachVoxel(const Rig& rig, int voxels, Visit visit) {
       for (int x = 0; x < voxels; ++x) visit(index++, voxelCenter(rig.workspace, voxels, x, y, z));
 }
 
-bool isSet(const Mask& mask, int x, int y) {
-  return mask.pixels[std::size_t(y) * std::size_t(mask.width) + std::size_t(x)] != 0;
-}
-
 }  // namespace
 
-VoxelGrid carveReference(const Rig& rig, const std::vector<Mask>& masks, int voxels) {
+VoxelGrid carveReference(const Rig& rig, const std::vector<Silhouette>& masks, int voxels) {
   checkVoxels(voxels);
   VoxelGrid grid{voxels,
                  std::vector<std::uint8_t>(std::size_t(voxels) * std::size_t(voxels) * std::size_t(voxels))};
@@ -29,7 +25,7 @@ VoxelGrid carveReference(const Rig& rig, const std::vector<Mask>& masks, int vox
       const std::optional<Vec2> pixel = project(rig.cameras[c], center_in_world);
       if (!pixel) continue;
       ++seen;
-      if (!isSet(masks[c], static_cast<int>(std::floor(pixel->x() + 0.5)),
+      if (!masks[c].contains(static_cast<int>(std::floor(pixel->x() + 0.5)),
                  static_cast<int>(std::floor(pixel->y() + 0.5))))
         return;
     }
@@ -38,7 +34,7 @@ VoxelGrid carveReference(const Rig& rig, const std::vector<Mask>& masks, int vox
   return grid;
 }
 
-bool isEdgePoint(const Rig& rig, const std::vector<Mask>& masks, const Vec3& point_in_world, double pixels) {
+bool isEdgePoint(const Rig& rig, const std::vector<Silhouette>& masks, const Vec3& point_in_world, double pixels) {
   for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
     const Camera& camera = rig.cameras[c];
     const std::optional<Vec2> pixel =
@@ -48,7 +44,7 @@ bool isEdgePoint(const Rig& rig, const std::vector<Mask>& masks, const Vec3& poi
     const auto kind = [&](double u, double v) {
       const double x = std::floor(u + 0.5), y = std::floor(v + 0.5);
       if (x < 0 || y < 0 || x >= camera.width || y >= camera.height) return 2;
-      return isSet(masks[c], static_cast<int>(x), static_cast<int>(y)) ? 1 : 0;
+      return masks[c].contains(static_cast<int>(x), static_cast<int>(y)) ? 1 : 0;
     };
     const int here = kind(pixel->x(), pixel->y());
     for (const double du : {-pixels, pixels})
@@ -58,7 +54,7 @@ bool isEdgePoint(const Rig& rig, const std::vector<Mask>& masks, const Vec3& poi
   return false;
 }
 
-std::vector<std::uint8_t> edgeVoxels(const Rig& rig, const std::vector<Mask>& masks, int voxels,
+std::vector<std::uint8_t> edgeVoxels(const Rig& rig, const std::vector<Silhouette>& masks, int voxels,
                                      double pixels) {
   std::vector<std::uint8_t> edge(std::size_t(voxels) * std::size_t(voxels) * std::size_t(voxels));
   forEachVoxel(rig, voxels, [&](std::size_t index, const Vec3& center_in_world) {

@@ -25,7 +25,7 @@ constexpr double kConvincingFraction = 0.8;
 /// The hull dilated by one voxel: carving tests voxel centres, and a thin finger may be between them.
 class DilatedHull {
  public:
-  DilatedHull(const Rig& rig, const MaskSet& masks, int voxels)
+  DilatedHull(const Rig& rig, const SilhouetteSet& masks, int voxels)
       : workspace_(rig.workspace), voxels_(voxels), dilated_(carveReference(rig, masks, voxels).occupied) {
     for (int axis = 0; axis < 3; ++axis) dilate(axis);
   }
@@ -75,11 +75,11 @@ class DilatedHull {
   std::vector<std::uint8_t> dilated_;
 };
 
-void addAgreement(const Camera& camera, const Mask& mask, const DilatedHull& hull,
+void addAgreement(const Camera& camera, const Silhouette& mask, const DilatedHull& hull,
                   SilhouetteAgreement& agreement) {
   std::vector<std::size_t> pixels;
   for (std::size_t i = 0; i < mask.pixels.size(); ++i)
-    if (mask.pixels[i]) pixels.push_back(i);
+    if (mask.pixels[i] >= Silhouette::kThreshold) pixels.push_back(i);
   const Pose world_from_camera = camera.camera_from_world.inverse();
   const std::size_t stride = pixels.size() / kPixels + 1;
   for (std::size_t i = 0; i < pixels.size(); i += stride) {
@@ -123,9 +123,9 @@ Rig mirrored(const Rig& rig, int image_axis) {
   return result;
 }
 
-std::vector<SilhouetteAgreement> agreementAt(int voxels, const Rig& rig, std::span<const MaskSet> instants) {
+std::vector<SilhouetteAgreement> agreementAt(int voxels, const Rig& rig, std::span<const SilhouetteSet> instants) {
   std::vector<SilhouetteAgreement> agreement(rig.cameras.size());
-  for (const MaskSet& masks : instants) {
+  for (const SilhouetteSet& masks : instants) {
     const DilatedHull hull(rig, masks, voxels);
     for (std::size_t i = 0; i < rig.cameras.size(); ++i)
       addAgreement(rig.cameras[i], masks[i], hull, agreement[i]);
@@ -143,7 +143,7 @@ struct Hypothesis {
 /// Tries common mistakes in rigs and finds the one that explains most.
 class HypothesisSearch {
  public:
-  HypothesisSearch(const Rig& rig, std::span<const MaskSet> instants)
+  HypothesisSearch(const Rig& rig, std::span<const SilhouetteSet> instants)
       : rig_(rig), instants_(instants.begin(), instants.begin() + std::min<long>(2, std::ssize(instants))) {}
 
   Hypothesis best() {
@@ -166,7 +166,7 @@ class HypothesisSearch {
  private:
   void evaluate(const Rig& rig, const Hypothesis& hypothesis) { evaluate(rig, instants_, hypothesis); }
 
-  void evaluate(const Rig& rig, std::span<const MaskSet> instants, Hypothesis hypothesis) {
+  void evaluate(const Rig& rig, std::span<const SilhouetteSet> instants, Hypothesis hypothesis) {
     reportProgress(0.5);
     if (explainedFraction(agreementAt(kCoarseVoxels, rig, instants)) < kConvincingFraction) return;
     hypothesis.explained_fraction = explainedFraction(agreementAt(kVoxels, rig, instants));
@@ -189,14 +189,14 @@ class HypothesisSearch {
     for (std::size_t i = 0; rig_.cameras.size() >= 4 && i < rig_.cameras.size(); ++i) {
       Rig rest = rig_;
       rest.cameras.erase(rest.cameras.begin() + static_cast<long>(i));
-      std::vector<MaskSet> instants = instants_;
-      for (MaskSet& masks : instants) masks.erase(masks.begin() + static_cast<long>(i));
+      std::vector<SilhouetteSet> instants = instants_;
+      for (SilhouetteSet& masks : instants) masks.erase(masks.begin() + static_cast<long>(i));
       evaluate(rest, instants, {0, rig_.cameras[i].name, ""});
     }
   }
 
   const Rig& rig_;
-  const std::vector<MaskSet> instants_;
+  const std::vector<SilhouetteSet> instants_;
   Hypothesis best_;
 };
 
@@ -206,11 +206,11 @@ std::string percent(double fraction) {
 
 }  // namespace
 
-std::vector<SilhouetteAgreement> silhouetteAgreement(const Rig& rig, std::span<const MaskSet> instants) {
+std::vector<SilhouetteAgreement> silhouetteAgreement(const Rig& rig, std::span<const SilhouetteSet> instants) {
   return agreementAt(kVoxels, rig, instants);
 }
 
-std::vector<RigDiagnostic> silhouetteDiagnostics(const Rig& rig, std::span<const MaskSet> instants,
+std::vector<RigDiagnostic> silhouetteDiagnostics(const Rig& rig, std::span<const SilhouetteSet> instants,
                                                  std::span<const SilhouetteAgreement> agreement,
                                                  SilhouetteSource source) {
   double pixels = 0, in_cube = 0;

@@ -23,10 +23,10 @@ struct SilhouetteAgreement {
 };
 
 /// Masks of one instant, one per camera.
-using MaskSet = std::vector<Mask>;
+using SilhouetteSet = std::vector<Silhouette>;
 
 /// One entry per camera, summed over all instants. \pre the rig has no errors and the masks have its sizes
-std::vector<SilhouetteAgreement> silhouetteAgreement(const Rig& rig, std::span<const MaskSet> instants);
+std::vector<SilhouetteAgreement> silhouetteAgreement(const Rig& rig, std::span<const SilhouetteSet> instants);
 
 /// The origin of silhouettes: masks or a known background; or a background that assumes empty first frames.
 enum class SilhouetteSource { kKnown, kAssumed };
@@ -34,7 +34,7 @@ enum class SilhouetteSource { kKnown, kAssumed };
 /// Diagnoses silhouettes outside the cube and rigs that contradict the silhouettes, with the cause if it is
 /// found: one camera, two swapped cameras, or another convention of units, axes or poses. If less than 30 %
 /// of the pixels are explained, the diagnostic is an error, provided that the silhouettes are kKnown.
-std::vector<RigDiagnostic> silhouetteDiagnostics(const Rig& rig, std::span<const MaskSet> instants,
+std::vector<RigDiagnostic> silhouetteDiagnostics(const Rig& rig, std::span<const SilhouetteSet> instants,
                                                  std::span<const SilhouetteAgreement> agreement,
                                                  SilhouetteSource source = SilhouetteSource::kKnown);
 

@@ -87,10 +87,10 @@ double scoreReference(const Vec3& seen, const BackgroundPixel& background);
 
 /// The mask from an image's scores: pixels of at least 1 that are not edge blur (EdgeArgs in
 /// silhouette_io.h).
-Mask edgesReference(int width, int height, const std::vector<double>& scores);
+Silhouette edgesReference(int width, int height, const std::vector<double>& scores);
 
-Mask majorityReference(const Mask& mask);
-Mask largestPartReference(const Mask& mask);
-Mask closeHolesReference(const Mask& mask, std::uint32_t largest_hole);
+Silhouette majorityReference(const Silhouette& mask);
+Silhouette largestPartReference(const Silhouette& mask);
+Silhouette closeHolesReference(const Silhouette& mask, std::uint32_t largest_hole);
 
 }  // namespace airclay

@@ -12,7 +12,7 @@ namespace {
 /// Calls `visit` for each connected part of object or background pixels, with its pixel indices and whether
 /// it touches the border.
 template <class Visit>
-void forEachPart(const Mask& mask, bool object, bool eight_connected, Visit visit) {
+void forEachPart(const Silhouette& mask, bool object, bool eight_connected, Visit visit) {
   std::vector<char> done(mask.pixels.size());
   for (std::size_t start = 0; start < mask.pixels.size(); ++start) {
     if (done[start] || (mask.pixels[start] != 0) != object) continue;
@@ -66,8 +66,8 @@ double scoreReference(const Vec3& seen, const BackgroundPixel& background) {
   return std::max(colour, brightness);
 }
 
-Mask edgesReference(int width, int height, const std::vector<double>& scores) {
-  Mask mask{width, height, std::vector<std::uint8_t>(scores.size())};
+Silhouette edgesReference(int width, int height, const std::vector<double>& scores) {
+  Silhouette mask{width, height, std::vector<std::uint8_t>(scores.size())};
   const auto octave = [](double score) {
     return score >= 8 ? 3 : score >= 4 ? 2 : score >= 2 ? 1 : score >= 1 ? 0 : -1;
   };
@@ -91,8 +91,8 @@ Mask edgesReference(int width, int height, const std::vector<double>& scores) {
   return mask;
 }
 
-Mask majorityReference(const Mask& mask) {
-  Mask result = mask;
+Silhouette majorityReference(const Silhouette& mask) {
+  Silhouette result = mask;
   for (int y = 0; y < mask.height; ++y)
     for (int x = 0; x < mask.width; ++x) {
       int set = 0;
@@ -104,18 +104,18 @@ Mask majorityReference(const Mask& mask) {
   return result;
 }
 
-Mask largestPartReference(const Mask& mask) {
+Silhouette largestPartReference(const Silhouette& mask) {
   std::vector<std::size_t> largest;
   forEachPart(mask, true, true, [&](const std::vector<std::size_t>& part, bool) {
     if (part.size() > largest.size()) largest = part;
   });
-  Mask result{mask.width, mask.height, std::vector<std::uint8_t>(mask.pixels.size())};
+  Silhouette result{mask.width, mask.height, std::vector<std::uint8_t>(mask.pixels.size())};
   for (const std::size_t index : largest) result.pixels[index] = 255;
   return result;
 }
 
-Mask closeHolesReference(const Mask& mask, std::uint32_t largest_hole) {
-  Mask result = mask;
+Silhouette closeHolesReference(const Silhouette& mask, std::uint32_t largest_hole) {
+  Silhouette result = mask;
   forEachPart(mask, false, false, [&](const std::vector<std::size_t>& part, bool border) {
     if (!border && part.size() <= largest_hole)
       for (const std::size_t index : part) result.pixels[index] = 255;

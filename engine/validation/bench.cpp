@@ -120,7 +120,7 @@ struct Scene {
   DemoCameras cameras;
   Silhouettes silhouettes;
   HandModel hand = builtInHand(false);
-  std::vector<Mask> masks;
+  std::vector<Silhouette> masks;
 };
 
 // --- silhouette ---
@@ -139,7 +139,7 @@ std::vector<std::vector<BackgroundPixel>> backgroundsOf(const Scene& scene) {
   return backgrounds;
 }
 
-void segmentReference(const Mask& size, std::span<const std::uint8_t> bgr,
+void segmentReference(const Silhouette& size, std::span<const std::uint8_t> bgr,
                       const std::vector<BackgroundPixel>& background) {
   std::vector<double> scores;
   for (std::size_t i = 0; i < background.size(); ++i)

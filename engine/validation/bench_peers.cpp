@@ -60,15 +60,15 @@ CarveLoop::CarveLoop(const Rig& rig, int voxels)
   occupied_.resize(row_words_ * std::size_t(voxels) * std::size_t(voxels));
 }
 
-void CarveLoop::run(const std::vector<Mask>& masks) {
+void CarveLoop::run(const std::vector<Silhouette>& masks) {
   // alternating layers: contiguous halves would contain different amounts of the hand
   onAllThreads([&](int thread) { carveLayers(masks, thread, kThreads); });
 }
 
-void CarveLoop::carveLayers(const std::vector<Mask>& masks, int first, int step) {
+void CarveLoop::carveLayers(const std::vector<Silhouette>& masks, int first, int step) {
   const std::size_t cameras = views_.size();
   std::vector<const std::uint8_t*> pixels;
-  for (const Mask& mask : masks) pixels.push_back(mask.pixels.data());
+  for (const Silhouette& mask : masks) pixels.push_back(mask.pixels.data());
   std::vector<std::array<float, 3>> row(cameras);  // the row's first voxel in each camera's frame
   for (int z = first; z < voxels_; z += step)
     for (int y = 0; y < voxels_; ++y) {
@@ -224,7 +224,7 @@ void majorityOf(const std::vector<std::uint8_t>& from, int width, int height, st
 
 void SilhouetteLoop::segment(std::size_t camera, std::span<const std::uint8_t> bgr) {
   Scratch& s = scratch_[camera];
-  Mask& mask = masks_[camera];
+  Silhouette& mask = masks_[camera];
   const int width = mask.width, height = mask.height, count = width * height;
   const BackgroundFloats* const background = backgrounds_[camera].data();
 

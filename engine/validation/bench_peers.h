@@ -14,7 +14,7 @@ class CarveLoop {
   /// \throw Error for a fisheye or rational lens, which the loop does not support.
   CarveLoop(const Rig& rig, int voxels);
   /// Uses the masks without preprocessing. \pre each has its camera's size
-  void run(const std::vector<Mask>& masks);
+  void run(const std::vector<Silhouette>& masks);
   bool at(int x, int y, int z) const {
     const std::size_t row = std::size_t(y) + std::size_t(voxels_) * std::size_t(z);
     return occupied_[row * row_words_ + std::size_t(x) / 32] >> (x % 32) & 1;
@@ -27,7 +27,7 @@ class CarveLoop {
     float fx, fy, cx, cy, k1, k2, p1, p2, k3, limit_square;
     float width, height;
   };
-  void carveLayers(const std::vector<Mask>& masks, int first, int step);
+  void carveLayers(const std::vector<Silhouette>& masks, int first, int step);
 
   int voxels_;
   std::size_t row_words_;
@@ -42,7 +42,7 @@ class SilhouetteLoop {
   SilhouetteLoop(const Rig& rig, const std::vector<std::vector<BackgroundPixel>>& backgrounds);
   /// `images`: one BGR image per camera, rows without padding.
   void run(const std::vector<std::span<const std::uint8_t>>& images);
-  const std::vector<Mask>& masks() const { return masks_; }
+  const std::vector<Silhouette>& masks() const { return masks_; }
 
  private:
   struct BackgroundFloats {
@@ -57,7 +57,7 @@ class SilhouetteLoop {
 
   std::vector<std::vector<BackgroundFloats>> backgrounds_;
   std::vector<Scratch> scratch_;
-  std::vector<Mask> masks_;
+  std::vector<Silhouette> masks_;
 };
 
 }  // namespace airclay

@@ -72,7 +72,7 @@ struct Scene {
   Silhouettes silhouettes;
   Carver carver;
   Recorder recorder;
-  std::vector<Mask> masks;  ///< of kPressingFrame
+  std::vector<Silhouette> masks;  ///< of kPressingFrame
 };
 
 // --- silhouettes ---
@@ -113,7 +113,7 @@ void compareBackground(Scene& scene, Comparisons& comparisons) {
 
 /// Marks the pixels around one whose score is so close to a level that single and double precision may
 /// disagree.
-void exemptAround(std::vector<char>& exempt, const Mask& mask, std::size_t pixel) {
+void exemptAround(std::vector<char>& exempt, const Silhouette& mask, std::size_t pixel) {
   // a different level also affects the neighbours (edges.comp)
   const int x = static_cast<int>(pixel) % mask.width, y = static_cast<int>(pixel) / mask.width;
   for (int v = std::max(y - kSmearReach, 0); v <= std::min(y + kSmearReach, mask.height - 1); ++v)
@@ -123,7 +123,7 @@ void exemptAround(std::vector<char>& exempt, const Mask& mask, std::size_t pixel
 
 /// The number of pixels in a camera's segmentation that differ from the reference away from thresholds.
 std::size_t differentlySegmented(const std::vector<std::uint8_t>& bgr, std::span<const std::uint32_t> model,
-                                 const Mask& segmented) {
+                                 const Silhouette& segmented) {
   std::vector<double> scores(segmented.pixels.size());
   std::vector<char> exempt(scores.size());
   for (std::size_t i = 0; i < scores.size(); ++i) {
@@ -131,14 +131,14 @@ std::size_t differentlySegmented(const std::vector<std::uint8_t>& bgr, std::span
     for (const double level : {1, 2, 4, 8})
       if (std::abs(scores[i] - level) < kLevelTolerance * level) exemptAround(exempt, segmented, i);
   }
-  const Mask expected = edgesReference(segmented.width, segmented.height, scores);
+  const Silhouette expected = edgesReference(segmented.width, segmented.height, scores);
   std::size_t different = 0;
   for (std::size_t i = 0; i < scores.size(); ++i)
     different += !exempt[i] && expected.pixels[i] != segmented.pixels[i];
   return different;
 }
 
-std::size_t differentPixels(const Mask& a, const Mask& b) {
+std::size_t differentPixels(const Silhouette& a, const Silhouette& b) {
   std::size_t different = 0;
   for (std::size_t i = 0; i < a.pixels.size(); ++i) different += a.pixels[i] != b.pixels[i];
   return different;
@@ -150,9 +150,9 @@ void compareSilhouettes(Scene& scene, Comparisons& comparisons) {
   scene.silhouettes.record(scene.recorder, images);
   scene.recorder.submitAndWait();
   const std::vector<std::uint32_t> model = scene.silhouettes.model().download();
-  const std::vector<Mask> segmented = scene.gpu_rig.unpack(scene.silhouettes.segmented().download());
-  const std::vector<Mask> majority = scene.gpu_rig.unpack(scene.silhouettes.majorityMask().download());
-  const std::vector<Mask> largest = scene.gpu_rig.unpack(scene.silhouettes.largestMask().download());
+  const std::vector<Silhouette> segmented = scene.gpu_rig.unpack(scene.silhouettes.segmented().download());
+  const std::vector<Silhouette> majority = scene.gpu_rig.unpack(scene.silhouettes.majorityMask().download());
+  const std::vector<Silhouette> largest = scene.gpu_rig.unpack(scene.silhouettes.largestMask().download());
   scene.masks = scene.gpu_rig.unpack(scene.silhouettes.masks().host());
   std::size_t segment = 0, speckle = 0, part = 0, holes = 0;
   for (std::size_t c = 0; c < segmented.size(); ++c) {

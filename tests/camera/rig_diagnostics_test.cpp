@@ -251,7 +251,7 @@ TEST(RigMetrics, AxesMeetWhereTheCamerasLook) {
 /// A sphere off the centre, in front of a ring of cameras. The rig changes, the silhouettes stay.
 struct Scene {
   Rig rig = ringRig(4);
-  std::vector<MaskSet> instants = {sphereMasks(rig, Vec3(0.08, -0.05, 0.06), 0.07),
+  std::vector<SilhouetteSet> instants = {sphereMasks(rig, Vec3(0.08, -0.05, 0.06), 0.07),
                                    sphereMasks(rig, Vec3(-0.06, 0.03, -0.02), 0.05)};
 
   std::vector<RigDiagnostic> findings() const {
@@ -329,7 +329,7 @@ TEST(RigAgreement, ReportsUnexplainedDisagreement) {
 
 // --- against a recording ---
 
-void writeMasks(const TemporaryFolder& folder, const Rig& rig, const MaskSet& masks) {
+void writeMasks(const TemporaryFolder& folder, const Rig& rig, const SilhouetteSet& masks) {
   for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
     const Camera& camera = rig.cameras[i];
     const std::filesystem::path of_camera = folder.path() / "silhouettes" / camera.name;
@@ -366,9 +366,9 @@ TEST(TakeInspection, FindsSilhouettesSizesAndMissingFiles) {
 TEST(TakeInspection, SegmentsImagesWithAKnownBackground) {
   const TemporaryFolder folder;
   Rig rig = ringRig(3);
-  const MaskSet masks = sphereMasks(rig, Vec3(0.03, 0.02, -0.04), 0.09);
+  const SilhouetteSet masks = sphereMasks(rig, Vec3(0.03, 0.02, -0.04), 0.09);
   const auto write = [](const std::filesystem::path& file,
-                        const Mask& mask) {  // dark in front of a light wall
+                        const Silhouette& mask) {  // dark in front of a light wall
     std::vector<std::uint8_t> rgba;
     for (const std::uint8_t pixel : mask.pixels) {
       const std::uint8_t grey = pixel ? 40 : 190;
@@ -378,7 +378,7 @@ TEST(TakeInspection, SegmentsImagesWithAKnownBackground) {
     writePng(file, {mask.width, mask.height}, rgba);
   };
   for (std::size_t i = 0; i < 3; ++i) {
-    Mask empty = masks[i];
+    Silhouette empty = masks[i];
     std::fill(empty.pixels.begin(), empty.pixels.end(), std::uint8_t{0});
     write(folder.path() / rig.cameras[i].name / "000000.png", empty);
     write(folder.path() / rig.cameras[i].name / "000001.png", masks[i]);

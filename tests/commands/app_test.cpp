@@ -46,7 +46,7 @@ json jsonOf(const Strings& arguments) {
 struct SphereTake {
   TemporaryFolder folder;
   Rig rig = ringRig(4);
-  std::vector<Mask> masks = sphereMasks(rig, Vec3(0.03, -0.02, 0.01), 0.12);
+  std::vector<Silhouette> masks = sphereMasks(rig, Vec3(0.03, -0.02, 0.01), 0.12);
 
   explicit SphereTake(double scale = 1) {
     for (Camera& camera : rig.cameras) camera.camera_from_world.translation() *= scale;

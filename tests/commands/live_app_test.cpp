@@ -122,7 +122,7 @@ TEST_F(LiveApp, InvalidUseIsAOneLineError) {
   };
   refused({all.begin() + 2, all.end()}, 2, "--rig");
   refused({all.begin(), all.end() - 2}, 2, "has no source");
-  refused(with(all, {"--camera", "other=" + at("take/other")}), 2, "no camera of this name");
+  refused(with(all, {"--camera", "other=" + at("take/other")}), 2, "no camera with this name");
   refused(with(all, {at("take")}), 2, "exclude each other");
   Strings gone = all;
   gone.back() = gone.back() + "-gone";

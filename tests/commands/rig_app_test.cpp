@@ -27,7 +27,7 @@ struct RigAndTake {
 
   RigAndTake() {
     writeRig(file, rig);
-    const MaskSet masks = sphereMasks(rig, Vec3(0.08, -0.05, 0.06), 0.07);
+    const SilhouetteSet masks = sphereMasks(rig, Vec3(0.08, -0.05, 0.06), 0.07);
     for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
       const std::filesystem::path of_camera = folder.path() / "take" / "silhouettes" / rig.cameras[i].name;
       std::filesystem::create_directories(of_camera);

@@ -66,7 +66,7 @@ struct Scene {
   std::vector<double> distances;
   Recorder recorder;
 
-  Scene(const Rig& r, const std::vector<Mask>& masks, int voxels, const Vec3& center, double half_size_m)
+  Scene(const Rig& r, const std::vector<Silhouette>& masks, int voxels, const Vec3& center, double half_size_m)
       : rig(testGpu(), r), carver(testGpu(), rig, voxels), field(testGpu()), recorder(testGpu()) {
     Buffer<std::uint32_t> packed(testGpu(), rig.maskWords(), Memory::kHost);
     rig.pack(masks, packed.host());
@@ -264,7 +264,7 @@ constexpr int kBoxVoxels = 48;    // 4.2 mm
 Scene boxScene() {
   Rig rig = demoRig();
   rig.workspace.edge_m = kBoxEdge;
-  std::vector<Mask> masks;
+  std::vector<Silhouette> masks;
   for (const Camera& camera : rig.cameras)
     masks.push_back({camera.width, camera.height,
                      std::vector<std::uint8_t>(std::size_t(camera.width) * camera.height, 255)});

@@ -33,7 +33,7 @@ struct Tracking {
         tracker(testGpu(), rig, hand, carver),
         recorder(testGpu()) {}
 
-  void carve(const std::vector<Mask>& images) {
+  void carve(const std::vector<Silhouette>& images) {
     rig.pack(images, masks.host());
     recorder.begin();
     carver.record(recorder, masks);
@@ -47,7 +47,7 @@ struct Tracking {
     return tracker.finish();
   }
   /// As in the pipeline for a frame without a last pose.
-  HandFit search(const std::vector<Mask>& images) {
+  HandFit search(const std::vector<Silhouette>& images) {
     carve(images);
     return tracker.search(recorder, stage_ms) ? follow() : HandFit{};
   }
@@ -92,7 +92,7 @@ TEST(Tracker, FindsTheHandInAnyOrientation) {
     Pose truth = *script.at(time_s);
     truth.translation() *= 0.4;  // so that it stays in the workspace when rotated
     ASSERT_LT(reach(hand, truth), 0.29);
-    const std::vector<Mask> masks = cameras.masks(truth);
+    const std::vector<Silhouette> masks = cameras.masks(truth);
     for (int i = 0; i < 20; ++i, ++tries) {
       const Eigen::Quaterniond turn = randomRotation(random);
       Tracking tracking(turned(cameras.rig().rig(), turn), hand);
@@ -117,7 +117,7 @@ TEST(Tracker, FollowsTheHandFromItsLastPose) {
   for (int frame = first; frame <= last; ++frame) {
     SCOPED_TRACE("frame " + std::to_string(frame));
     const Pose truth = *script.at(frame / kDemoRateHz);
-    const std::vector<Mask> masks = cameras.masks(truth);
+    const std::vector<Silhouette> masks = cameras.masks(truth);
     HandFit fit;
     if (frame == first) {
       fit = tracking.search(masks);
@@ -165,7 +165,7 @@ TEST(Tracker, ForgetsAHandThatLeaves) {
   HandCameras cameras;
   const Rig rig = cameras.rig().rig();
   Tracking tracking(rig, builtInHand(false));
-  const std::vector<Mask> masks = cameras.masks(*demoScript().at(0.5));
+  const std::vector<Silhouette> masks = cameras.masks(*demoScript().at(0.5));
   ASSERT_TRUE(tracking.search(masks).tracked);
   tracking.carve(sphereMasks(rig, Vec3::Zero(), -1));
   EXPECT_FALSE(tracking.follow().tracked);

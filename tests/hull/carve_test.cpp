@@ -8,7 +8,7 @@
 namespace airclay {
 namespace {
 
-VoxelGrid carve(const Rig& rig, const std::vector<Mask>& masks, int voxels, HullStats* counted = nullptr,
+VoxelGrid carve(const Rig& rig, const std::vector<Silhouette>& masks, int voxels, HullStats* counted = nullptr,
                 std::uint32_t missing_cameras = 0) {
   Gpu& gpu = testGpu();
   const GpuRig gpu_rig(gpu, rig);
@@ -29,7 +29,7 @@ VoxelGrid carve(const Rig& rig, const std::vector<Mask>& masks, int voxels, Hull
 }
 
 /// Equal except for edge voxels; returns the number of occupied ones.
-std::size_t expectEqual(const Rig& rig, const std::vector<Mask>& masks, int voxels) {
+std::size_t expectEqual(const Rig& rig, const std::vector<Silhouette>& masks, int voxels) {
   const VoxelGrid expected = carveReference(rig, masks, voxels);
   const VoxelGrid carved = carve(rig, masks, voxels);
   const std::vector<std::uint8_t> edge = edgeVoxels(rig, masks, voxels, kEdgePixels);
@@ -46,7 +46,7 @@ std::size_t expectEqual(const Rig& rig, const std::vector<Mask>& masks, int voxe
 
 TEST(Carve, EqualsTheReferenceForEveryVoxelCount) {
   const Rig rig = ringRig(4);
-  const std::vector<Mask> masks = sphereMasks(rig, Vec3(0.05, -0.03, 0.02), 0.09);
+  const std::vector<Silhouette> masks = sphereMasks(rig, Vec3(0.05, -0.03, 0.02), 0.09);
   for (const int voxels : {32, 50, 64, 101, 128}) {
     SCOPED_TRACE(voxels);
     EXPECT_GT(expectEqual(rig, masks, voxels), 0u);
@@ -55,11 +55,11 @@ TEST(Carve, EqualsTheReferenceForEveryVoxelCount) {
 
 TEST(Carve, IgnoresMissingCameras) {
   const Rig rig = ringRig(4);
-  std::vector<Mask> masks = sphereMasks(rig, Vec3(0.05, -0.03, 0.02), 0.09);
+  std::vector<Silhouette> masks = sphereMasks(rig, Vec3(0.05, -0.03, 0.02), 0.09);
   std::fill(masks[1].pixels.begin(), masks[1].pixels.end(), std::uint8_t(0));  // would empty the workspace
   Rig others = rig;
   others.cameras.erase(others.cameras.begin() + 1);
-  std::vector<Mask> their_masks = masks;
+  std::vector<Silhouette> their_masks = masks;
   their_masks.erase(their_masks.begin() + 1);
   const VoxelGrid expected = carve(others, their_masks, 64);
   EXPECT_EQ(carve(rig, masks, 64, nullptr, 1u << 1).occupied, expected.occupied);
@@ -102,8 +102,8 @@ TEST(Carve, SphereHullIsTight) {
 
 TEST(Carve, FullMasksFillTheWorkspace) {
   const Rig rig = ringRig(4, 640, 480);
-  std::vector<Mask> masks = sphereMasks(rig, Vec3::Zero(), 10);
-  for (Mask& mask : masks) std::fill(mask.pixels.begin(), mask.pixels.end(), 255);
+  std::vector<Silhouette> masks = sphereMasks(rig, Vec3::Zero(), 10);
+  for (Silhouette& mask : masks) std::fill(mask.pixels.begin(), mask.pixels.end(), 255);
   expectEqual(rig, masks, 64);
   // the sums of so many indices exceed 32 bits
   for (const int voxels : {256, 512}) {
@@ -119,11 +119,23 @@ TEST(Carve, FullMasksFillTheWorkspace) {
 
 TEST(Carve, EmptyMasksGiveAnEmptyHull) {
   const Rig rig = ringRig(4);
-  std::vector<Mask> masks = sphereMasks(rig, Vec3(10, 10, 10), 0.01);
+  std::vector<Silhouette> masks = sphereMasks(rig, Vec3(10, 10, 10), 0.01);
   HullStats counted;
   const VoxelGrid grid = carve(rig, masks, 64, &counted);
   EXPECT_EQ(counted.occupied, hullStats(grid, rig.workspace).occupied);
   expectEqual(rig, masks, 64);
+}
+
+TEST(Carve, ProbabilitiesOfHalfAndAboveAreTheHand) {
+  const Rig rig = ringRig(4);
+  const std::vector<Silhouette> masks = sphereMasks(rig, Vec3(0.05, -0.03, 0.02), 0.09);
+  std::vector<Silhouette> probabilities = masks;
+  std::size_t i = 0;
+  for (Silhouette& silhouette : probabilities)
+    for (std::uint8_t& pixel : silhouette.pixels)
+      pixel = static_cast<std::uint8_t>(pixel == 0 ? i++ % 128 : 128 + i++ % 128);
+  EXPECT_GT(expectEqual(rig, probabilities, 64), 0u);
+  EXPECT_EQ(carve(rig, probabilities, 64).occupied, carve(rig, masks, 64).occupied);
 }
 
 TEST(Carve, IgnoresCamerasThatDoNotSeeAVoxel) {
@@ -139,7 +151,7 @@ TEST(Carve, FewerThanTwoViewsGiveAnEmptyHull) {
   rig.cameras[1].camera_from_world.linear() =
       Eigen::AngleAxisd(M_PI, Vec3::UnitY()) * rig.cameras[1].camera_from_world.linear();
   rig.cameras[1].camera_from_world.translation() = Vec3(0, 0, -1);  // the workspace is behind it
-  std::vector<Mask> masks = sphereMasks(rig, Vec3::Zero(), 0.1);
+  std::vector<Silhouette> masks = sphereMasks(rig, Vec3::Zero(), 0.1);
   EXPECT_EQ(expectEqual(rig, masks, 64), 0u);
 }
 

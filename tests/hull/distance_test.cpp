@@ -20,7 +20,7 @@ struct Field {
   Recorder recorder;
   VoxelGrid model;
 
-  Field(const Rig& r, const std::vector<Mask>& masks, int voxels)
+  Field(const Rig& r, const std::vector<Silhouette>& masks, int voxels)
       : rig(testGpu(), r), carver(testGpu(), rig, voxels), field(testGpu()), recorder(testGpu()) {
     Buffer<std::uint32_t> packed(testGpu(), rig.maskWords(), Memory::kHost);
     rig.pack(masks, packed.host());
@@ -42,8 +42,8 @@ struct Field {
   }
 };
 
-std::vector<Mask> fullMasks(const Rig& rig) {
-  std::vector<Mask> masks;
+std::vector<Silhouette> fullMasks(const Rig& rig) {
+  std::vector<Silhouette> masks;
   for (const Camera& camera : rig.cameras)
     masks.push_back({camera.width, camera.height,
                      std::vector<std::uint8_t>(std::size_t(camera.width) * camera.height, 255)});
@@ -51,11 +51,11 @@ std::vector<Mask> fullMasks(const Rig& rig) {
 }
 
 /// Images with random holes: a model of intersecting cones, with every kind of corner.
-std::vector<Mask> masksWithHoles(const Rig& rig, unsigned seed) {
+std::vector<Silhouette> masksWithHoles(const Rig& rig, unsigned seed) {
   std::mt19937 random(seed);
   const auto below = [&](int limit) { return int(random() % unsigned(limit)); };
-  std::vector<Mask> masks = fullMasks(rig);
-  for (Mask& mask : masks)
+  std::vector<Silhouette> masks = fullMasks(rig);
+  for (Silhouette& mask : masks)
     for (int hole = 0; hole < 30; ++hole) {
       const int u = below(mask.width), v = below(mask.height), radius = 2 + below(mask.width / 16);
       for (int y = std::max(v - radius, 0); y < std::min(v + radius, mask.height); ++y)

@@ -41,7 +41,7 @@ TEST(HullMesh, HasTheVolumeAndPositionOfTheVoxels) {
 
 TEST(HullMesh, CarveEqualsTheReference) {
   const Rig rig = ringRig(4);
-  const std::vector<Mask> masks = sphereMasks(rig, Vec3(-0.04, 0.03, 0), 0.07);
+  const std::vector<Silhouette> masks = sphereMasks(rig, Vec3(-0.04, 0.03, 0), 0.07);
   const VoxelGrid carved = carve(testGpu(), rig, masks, 64), expected = carveReference(rig, masks, 64);
   const std::vector<std::uint8_t> edge = edgeVoxels(rig, masks, 64, kEdgePixels);
   std::size_t different = 0;

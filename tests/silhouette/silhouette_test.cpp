@@ -62,7 +62,7 @@ Shots throughVideo(const Shots& images, cv::Size size, const char* form) {
 }
 
 struct Segmented {
-  std::vector<Mask> raw, majority, largest, cleaned;
+  std::vector<Silhouette> raw, majority, largest, cleaned;
   std::vector<std::vector<BackgroundPixel>> background;
   std::vector<std::vector<std::uint8_t>> images;
 };
@@ -117,7 +117,7 @@ Segmented segment(Studio& studio, bool hand, double brightness = 1) {
   return segment(studio.rig, shoot(studio, hand, brightness));
 }
 
-long pixelsSet(const Mask& mask) {
+long pixelsSet(const Silhouette& mask) {
   return std::count(mask.pixels.begin(), mask.pixels.end(), 255);
 }
 
@@ -146,7 +146,7 @@ TEST(Silhouette, SegmentationEqualsTheReference) {
                 exempt[std::size_t(v * width + u)] = 1;
           }
       }
-      const Mask expected = edgesReference(width, 240, scores);
+      const Silhouette expected = edgesReference(width, 240, scores);
       std::size_t different = 0;
       for (std::size_t i = 0; i < scores.size(); ++i)
         different += !exempt[i] && expected.pixels[i] != result.raw[c].pixels[i];
@@ -172,7 +172,7 @@ TEST(Silhouette, LargestPartEqualsOpenCv) {
   Studio studio(320, 240);
   const Segmented result = segment(studio, true);
   for (std::size_t c = 0; c < result.majority.size(); ++c) {
-    Mask majority = result.majority[c];
+    Silhouette majority = result.majority[c];
     cv::Mat labels, stats, centers;
     cv::connectedComponentsWithStats(cv::Mat(majority.height, majority.width, CV_8U, majority.pixels.data()),
                                      labels, stats, centers, 8);
@@ -189,7 +189,7 @@ TEST(Silhouette, FindsTheDiscWithoutItsShadow) {
   for (const double brightness : {1.0, 0.92, 1.08}) {
     Studio studio(320, 240);
     const Segmented result = segment(studio, true, brightness);
-    for (const Mask& mask : result.cleaned) {
+    for (const Silhouette& mask : result.cleaned) {
       long wrong = 0;
       for (int y = 0; y < mask.height; ++y)
         for (int x = 0; x < mask.width; ++x) {
@@ -210,7 +210,7 @@ TEST(Silhouette, VideoCodingMovesEdgesByLessThanHalfAPixel) {
       for (int frame = 0; frame < 6; ++frame) shots[c].push_back(studio.image(static_cast<int>(c), true));
       shots[c] = throughVideo(shots[c], {320, 240}, form);
     }
-    for (const Mask& mask : segment(studio.rig, shots).cleaned) {
+    for (const Silhouette& mask : segment(studio.rig, shots).cleaned) {
       EXPECT_NEAR(std::sqrt(double(pixelsSet(mask)) / M_PI), 30, 0.5) << form;  // the disc's radius
       for (int y = 0; y < mask.height; ++y)
         for (int x = 0; x < mask.width; ++x) {
@@ -224,7 +224,7 @@ TEST(Silhouette, VideoCodingMovesEdgesByLessThanHalfAPixel) {
 
 TEST(Silhouette, EmptyImageHasAlmostNoSilhouette) {
   Studio studio(320, 240);
-  for (const Mask& mask : segment(studio, false).cleaned) EXPECT_LT(pixelsSet(mask), 10);
+  for (const Silhouette& mask : segment(studio, false).cleaned) EXPECT_LT(pixelsSet(mask), 10);
 }
 
 }  // namespace

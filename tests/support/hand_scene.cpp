@@ -8,12 +8,12 @@ namespace airclay {
 HandCameras::HandCameras(const Rig& rig, const std::vector<TriangleMesh>& meshes)
     : rig_(testGpu(), rig), sensor_(testGpu(), rig_, meshes), recorder_(testGpu()) {}
 
-std::vector<Mask> HandCameras::masks(const Pose& world_from_hand) {
+std::vector<Silhouette> HandCameras::masks(const Pose& world_from_hand) {
   sensor_.draw(recorder_, world_from_hand, {});
-  std::vector<Mask> masks;
+  std::vector<Silhouette> masks;
   for (std::size_t c = 0; c < rig_.cameraCount(); ++c) {
     const Camera& camera = rig_.rig().cameras[c];
-    Mask mask{camera.width, camera.height, {}};
+    Silhouette mask{camera.width, camera.height, {}};
     for (const double covered : sensor_.coverage(c)) mask.pixels.push_back(covered >= 0.5 ? 255 : 0);
     masks.push_back(std::move(mask));
   }

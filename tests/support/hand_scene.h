@@ -13,7 +13,7 @@ class HandCameras {
   explicit HandCameras(const Rig& rig = demoRig(), const std::vector<TriangleMesh>& meshes = demoArm());
 
   /// The pixels that are at least half covered, one mask per camera.
-  std::vector<Mask> masks(const Pose& world_from_hand);
+  std::vector<Silhouette> masks(const Pose& world_from_hand);
   const GpuRig& rig() const { return rig_; }
 
  private:

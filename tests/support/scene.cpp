@@ -32,10 +32,10 @@ Rig ringRig(int count, int width, int height) {
   return rig;
 }
 
-std::vector<Mask> sphereMasks(const Rig& rig, const Vec3& center, double radius_m) {
-  std::vector<Mask> masks;
+std::vector<Silhouette> sphereMasks(const Rig& rig, const Vec3& center, double radius_m) {
+  std::vector<Silhouette> masks;
   for (const Camera& camera : rig.cameras) {
-    Mask mask{camera.width, camera.height,
+    Silhouette mask{camera.width, camera.height,
               std::vector<std::uint8_t>(std::size_t(camera.width) * camera.height)};
     const Vec3 center_in_camera = camera.camera_from_world * center;
     for (int y = 0; y < camera.height; ++y)

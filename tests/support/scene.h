@@ -12,6 +12,6 @@ Rig ringRig(int count, int width = 320, int height = 240);
 
 /// The silhouette of a sphere in every camera, in closed form: the pixels whose rays pass within its
 /// radius.
-std::vector<Mask> sphereMasks(const Rig& rig, const Vec3& center, double radius_m);
+std::vector<Silhouette> sphereMasks(const Rig& rig, const Vec3& center, double radius_m);
 
 }  // namespace airclay

@@ -138,7 +138,7 @@ TEST(Sensor, SphereOutlineIsItsTangentCone) {
     fine.lens.fy *= 4;
     fine.lens.cx = 4 * fine.lens.cx + 1.5;  // pixel centres at integers
     fine.lens.cy = 4 * fine.lens.cy + 1.5;
-    const Mask mask = sphereMasks({{fine}, rig.workspace}, somewhere().translation(), radius_m)[0];
+    const Silhouette mask = sphereMasks({{fine}, rig.workspace}, somewhere().translation(), radius_m)[0];
     const std::vector<double> samples(mask.pixels.begin(), mask.pixels.end());
     Shape expected = shapeOf(samples, fine.width);
     expected.area /= 16.0 * 255;

@@ -247,7 +247,7 @@ TEST_F(TakeTest, UnequalLengthsEndAtTheShortestWithANote) {
 TEST_F(TakeTest, AcceptsMasksWithoutImages) {
   cv::Mat mask(kHeight, kWidth, CV_8UC1, cv::Scalar(0));
   mask.at<std::uint8_t>(5, 7) = 255;
-  mask.at<std::uint8_t>(6, 7) = 128;  // a soft edge: half and above is the object
+  mask.at<std::uint8_t>(6, 7) = 128;  // a soft edge: the probability of half is kept
   mask.at<std::uint8_t>(7, 7) = 127;
   writeImage(folder / "silhouettes/left/000004.png", mask);
   std::filesystem::create_directories(folder / "silhouettes/right");
@@ -259,9 +259,10 @@ TEST_F(TakeTest, AcceptsMasksWithoutImages) {
   EXPECT_NEAR(take.timeOf(3), 0.1, 1e-12);
   Frame masks(take, 1);
   ASSERT_TRUE(take.readSilhouettes(4, masks.spans));
-  EXPECT_EQ(std::count(masks.bytes[0].begin(), masks.bytes[0].end(), 255), 2);
-  EXPECT_EQ(std::count(masks.bytes[0].begin(), masks.bytes[0].end(), 0), kWidth * kHeight - 2);
+  EXPECT_EQ(std::count(masks.bytes[0].begin(), masks.bytes[0].end(), 0), kWidth * kHeight - 3);
   EXPECT_EQ(masks.bytes[0][5 * kWidth + 7], 255);
+  EXPECT_EQ(masks.bytes[0][6 * kWidth + 7], 128);
+  EXPECT_EQ(masks.bytes[0][7 * kWidth + 7], 127);
   EXPECT_EQ(std::count(masks.bytes[1].begin(), masks.bytes[1].end(), 0), kWidth * kHeight);
   ASSERT_TRUE(take.readSilhouettes(0, masks.spans));
   EXPECT_EQ(std::count(masks.bytes[0].begin(), masks.bytes[0].end(), 0), kWidth * kHeight);
