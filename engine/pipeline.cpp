@@ -242,7 +242,7 @@ FrameResult Pipeline::trackSilhouettes(const std::vector<Silhouette>& masks, con
 }
 
 FrameResult Pipeline::processSilhouettes(const std::vector<Silhouette>& masks, const SculptControls& controls,
-                                   const FrameInput& input) {
+                                         const FrameInput& input) {
   parts_->uploadMasks(masks);
   return parts_->process(false, controls, input);
 }

@@ -77,7 +77,7 @@ class Pipeline {
   FrameResult processImages(const SculptControls& controls = {}, const FrameInput& input = {});
   /// The same from masks instead of images, one per camera.
   FrameResult processSilhouettes(const std::vector<Silhouette>& masks, const SculptControls& controls = {},
-                           const FrameInput& input = {});
+                                 const FrameInput& input = {});
   /// Only tracks the hand, so that the caller can check the pose before sculptWith().
   FrameResult trackImages(const FrameInput& input = {});
   FrameResult trackSilhouettes(const std::vector<Silhouette>& masks, const FrameInput& input = {});

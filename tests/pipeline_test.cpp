@@ -145,7 +145,8 @@ TEST(Pipeline, ClayStaysWithoutHandOrClutch) {
   EXPECT_EQ(session.surface(), dented);
   // a ball is visible, but not a hand
   EXPECT_EQ(
-      session.pipeline.processSilhouettes(sphereMasks(session.recording.rig(), Vec3(0.02, 0.03, 0), 0.06)).state(),
+      session.pipeline.processSilhouettes(sphereMasks(session.recording.rig(), Vec3(0.02, 0.03, 0), 0.06))
+          .state(),
       HandState::kLost);
   EXPECT_EQ(session.surface(), dented);
   // the hand returns deep inside the clay: what is inside it does not move
@@ -254,7 +255,8 @@ TEST(Pipeline, RejectsInvalidInput) {
   EXPECT_NE(messageOf([&] { pipeline.processImages(); }).find("empty"), std::string::npos);
   std::vector<Silhouette> masks = sphereMasks(rig, Vec3::Zero(), 0.05);
   masks.pop_back();
-  EXPECT_NE(messageOf([&] { pipeline.processSilhouettes(masks); }).find("one mask per camera"), std::string::npos);
+  EXPECT_NE(messageOf([&] { pipeline.processSilhouettes(masks); }).find("one mask per camera"),
+            std::string::npos);
   masks = sphereMasks(rig, Vec3::Zero(), 0.05);
   masks[2].width /= 2;
   EXPECT_NE(messageOf([&] { pipeline.processSilhouettes(masks); }).find("cam2"), std::string::npos);

@@ -88,7 +88,8 @@ std::pair<std::string, double> parseOffset(const std::string& text) {
 void addOffsetOption(CLI::App& command, std::vector<std::string>& offsets) {
   if (command.get_option_no_throw("--offset")) return;
   command
-      .add_option("--offset", offsets, "milliseconds by which a camera's timestamps are late, once per camera [0]")
+      .add_option("--offset", offsets,
+                  "milliseconds by which a camera's timestamps are late, once per camera [0]")
       ->type_name("NAME=MS")
       ->allow_extra_args(false);
 }

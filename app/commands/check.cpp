@@ -91,8 +91,11 @@ void checkFrames(const std::filesystem::path& folder, Camera& camera, Findings& 
                   {"rate_hz", source->rateHz()},
                   {"pixels", source->pixelFormat()}});
     if (!source->timesS().empty()) facts["missing_frames"] = missingFrames(source->timesS());
-    row = {camera.name, sizeText(size.width, size.height), std::to_string(source->frameCount()),
-           fixed(source->rateHz(), 2), source->pixelFormat(),
+    row = {camera.name,
+           sizeText(size.width, size.height),
+           std::to_string(source->frameCount()),
+           fixed(source->rateHz(), 2),
+           source->pixelFormat(),
            source->timesS().empty() ? "" : std::to_string(missingFrames(source->timesS()))};
     if (camera.width <= 0 || camera.height <= 0) camera.width = size.width, camera.height = size.height;
   });
@@ -124,10 +127,10 @@ void checkTake(const CheckInputOptions& options, Findings& findings) {
                            {"has_timestamps", !take.cameraTimesOf(0).empty()},
                            {"has_truth", take.truth().has_value()}});
     if (take.hasImages() && take.backgroundFrames() >= take.frameCount())
-      findings.addError(folder.string() + ": it has " +
-                        counted(static_cast<std::size_t>(take.frameCount()), "frame") +
-                        ", all of which --background takes for the empty workspace; expected more frames, or " +
-                        "background/NAME.png");
+      findings.addError(
+          folder.string() + ": it has " + counted(static_cast<std::size_t>(take.frameCount()), "frame") +
+          ", all of which --background takes for the empty workspace; expected more frames, or " +
+          "background/NAME.png");
   });
 }
 

@@ -193,10 +193,8 @@ void sculptTake(const SculptOptions& options) {
 /// With live cameras.
 void sculptLive(const SculptOptions& options) {
   if (!options.take.folder.empty())
-    throw Error("a recording and live cameras exclude each other; give either TAKE or --rig",
-                Fault::kUsage);
-  if (options.rig.empty())
-    throw Error("live cameras need a calibration; give --rig RIG.toml", Fault::kUsage);
+    throw Error("a recording and live cameras exclude each other; give either TAKE or --rig", Fault::kUsage);
+  if (options.rig.empty()) throw Error("live cameras need a calibration; give --rig RIG.toml", Fault::kUsage);
   controlsFrom(options);  // checks the options before anything opens
   const Rig rig = readRig(options.rig, parseUnits(options.take.units));
   CameraOptions cameras = options.cameras;
@@ -212,8 +210,9 @@ void sculptLive(const SculptOptions& options) {
 /// Without cameras: mouse and keys move the hand.
 void sculptByMouse(const SculptOptions& options) {
   if (!usesWindow(options) && options.clay.ends_with(".clay"))
-    throw Error("the studio needs a display; without a window, use airclay sculpt TAKE --clay " + options.clay,
-                Fault::kUsage);
+    throw Error(
+        "the studio needs a display; without a window, use airclay sculpt TAKE --clay " + options.clay,
+        Fault::kUsage);
   if (!usesWindow(options))
     throw Error("no recording given: airclay sculpt TAKE; without one, the studio needs a display",
                 Fault::kUsage);
@@ -405,8 +404,9 @@ void addSculpt(CLI::App& program, int&) {
       "  airclay sculpt --rig rig.toml --camera left=0 --camera right=2\n"
       "  airclay sculpt TAKE --record mine; airclay sculpt mine --headless --out out/again");
   command->callback([options, command] {
-    for (const char* name : {"--clay", "--clay-units", "--clay-up", "--place", "--size", "--levels", "--rule", "--solve", "--hand",
-                             "--tool", "--symmetry", "--no-filter", "--voxels", "--background", "--offset", "--record"})
+    for (const char* name : {"--clay", "--clay-units", "--clay-up", "--place", "--size", "--levels", "--rule",
+                             "--solve", "--hand", "--tool", "--symmetry", "--no-filter", "--voxels",
+                             "--background", "--offset", "--record"})
       if (command->count(name) > 0) options->not_for_replay.push_back(name);
     acceptDocumentAsTake(*options, command->count("--clay") > 0);
     runSculpt(*options);

@@ -66,8 +66,9 @@ std::vector<std::string> cameraNames(const path& folder) {
   }
   if (names.size() < 2 || names.size() > static_cast<std::size_t>(kMaxCameras))
     throw Error(folder.string() + ": it contains the frames of " + std::to_string(names.size()) +
-                (names.size() == 1 ? " camera" : " cameras") + "; expected NAME.mp4, .mkv or .avi, or images " +
-                "NAME/000000.png and on, of 2 to " + std::to_string(kMaxCameras));
+                (names.size() == 1 ? " camera" : " cameras") +
+                "; expected NAME.mp4, .mkv or .avi, or images " + "NAME/000000.png and on, of 2 to " +
+                std::to_string(kMaxCameras));
   std::vector<std::string> sorted(names.begin(), names.end());
   std::sort(sorted.begin(), sorted.end(), comesBefore);
   return sorted;
@@ -174,7 +175,8 @@ void BoardRecording::Parts::matchFrames() {
       for (std::size_t c = 0; c < cameras.size(); ++c) of_camera[c].push_back(of_frame[c]);
   } else {
     for (const RecordedCamera& camera : cameras) of_camera.push_back(camera.source->timesS());
-    const bool is_timed = std::ranges::none_of(of_camera, [](const auto& times_s) { return times_s.empty(); });
+    const bool is_timed =
+        std::ranges::none_of(of_camera, [](const auto& times_s) { return times_s.empty(); });
     if (!is_timed || matchesByNumber(of_camera)) of_camera.clear();
   }
   if (of_camera.empty()) {
@@ -189,7 +191,8 @@ void BoardRecording::Parts::matchFrames() {
   }
   std::size_t densest = 0;
   const auto meanInterval = [](const std::vector<double>& times_s) {
-    return times_s.size() > 1 ? (times_s.back() - times_s.front()) / static_cast<double>(times_s.size() - 1) : 1;
+    return times_s.size() > 1 ? (times_s.back() - times_s.front()) / static_cast<double>(times_s.size() - 1)
+                              : 1;
   };
   for (std::size_t c = 0; c < cameras.size(); ++c)
     if (meanInterval(of_camera[c]) < meanInterval(of_camera[densest])) densest = c;
@@ -243,11 +246,12 @@ void BoardRecording::Parts::failUnseen(const Board& board) {
       seen = markersIn(grey);
     }
   }
-  throw Error(folder.string() + ": no camera saw " + describeBoard(board) + "; " +
-              (seen.empty()
-                   ? "expected the recorded board (--squares, --dictionary, --invert), large enough and well lit"
-                   : "there are " + seen +
-                         ": --dictionary, --squares, --invert and --chessboard say which board it is"));
+  throw Error(
+      folder.string() + ": no camera saw " + describeBoard(board) + "; " +
+      (seen.empty()
+           ? "expected the recorded board (--squares, --dictionary, --invert), large enough and well lit"
+           : "there are " + seen +
+                 ": --dictionary, --squares, --invert and --chessboard say which board it is"));
 }
 
 namespace {
@@ -355,8 +359,8 @@ const std::vector<std::string>& BoardRecording::notes() const {
 std::vector<CameraViews> BoardRecording::findBoards(const BoardDetector& detector,
                                                     const BoardSearch& search) {
   if (search.also && *search.also >= parts_->frame_count)
-    throw Error(parts_->folder.string() + ": there is no frame " + std::to_string(*search.also) + "; expected 0 to " +
-                std::to_string(parts_->frame_count - 1));
+    throw Error(parts_->folder.string() + ": there is no frame " + std::to_string(*search.also) +
+                "; expected 0 to " + std::to_string(parts_->frame_count - 1));
   std::vector<CameraViews> found =
       Search(parts_->cameras, detector, parts_->instantsToSearch(search)).run(search.threads);
   for (std::size_t c = 0; c < found.size(); ++c)

@@ -9,8 +9,8 @@
 #include <limits>
 #include <mutex>
 
-#include "capture/takes/frame_matcher.h"
 #include "capture/cameras/live_feed.h"
+#include "capture/takes/frame_matcher.h"
 #include "engine/core/error.h"
 
 namespace airclay {
@@ -106,8 +106,8 @@ std::unique_ptr<CameraSource> LiveCameras::Shared::reopen(std::size_t index) {
   try {
     source = feed.camera.open();
     if (source->size() != feed.size) {
-      fault = "camera \"" + feed.camera.name + "\" came back with " + describe(source->size()) + "; expected " +
-              describe(feed.size) + " as before";
+      fault = "camera \"" + feed.camera.name + "\" came back with " + describe(source->size()) +
+              "; expected " + describe(feed.size) + " as before";
       source.reset();
     }
   } catch (const std::exception& error) {
@@ -371,16 +371,17 @@ std::vector<NamedSource> inOrderOf(const Rig& rig, const std::vector<NamedSource
     const auto found = std::find_if(sources.begin(), sources.end(),
                                     [&](const NamedSource& source) { return source.name == camera.name; });
     if (found == sources.end())
-      throw Error("the rig's camera \"" + camera.name + "\" has no source; give --camera " + camera.name +
-                      "=SOURCE",
-                  Fault::kUsage);
+      throw Error(
+          "the rig's camera \"" + camera.name + "\" has no source; give --camera " + camera.name + "=SOURCE",
+          Fault::kUsage);
     ordered.push_back(*found);
   }
   for (const NamedSource& source : sources)
     if (std::none_of(rig.cameras.begin(), rig.cameras.end(),
                      [&](const Camera& camera) { return camera.name == source.name; }))
-      throw Error("--camera " + source.name + "=...: the rig has no camera with this name; expected one of " + names,
-                  Fault::kUsage);
+      throw Error(
+          "--camera " + source.name + "=...: the rig has no camera with this name; expected one of " + names,
+          Fault::kUsage);
   return ordered;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Through libavformat. OpenCV, which decodes the images, gives the time of a frame only once it is decoded, and loses the
-// times of the last frames.
+// Through libavformat. OpenCV, which decodes the images, gives the time of a frame only once it is decoded,
+// and loses the times of the last frames.
 #include "capture/images/video_index.h"
 
 #include <algorithm>

@@ -9,8 +9,8 @@
 namespace airclay {
 
 struct VideoIndex {
-  /// When each frame is presented, in seconds after the first one, strictly increasing. Empty if the container does not
-  /// state a time for every frame.
+  /// When each frame is presented, in seconds after the first one, strictly increasing. Empty if the
+  /// container does not state a time for every frame.
   std::vector<double> times_s;
   int frames = 0;            ///< packets of the video stream that are to be shown
   int rotation_degrees = 0;  ///< clockwise, by which players turn the image: 0, 90, 180 or 270

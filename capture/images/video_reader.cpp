@@ -63,9 +63,10 @@ class VideoSource : public FrameSource {
   void open() {
     next_ = 0;
     if (!video_.open(file_.string(), cv::CAP_FFMPEG))
-      throw Error(file_.string() +
-                  ": the video cannot be opened (truncated, damaged or of unknown format); expected a complete "
-                  "recording");
+      throw Error(
+          file_.string() +
+          ": the video cannot be opened (truncated, damaged or of unknown format); expected a complete "
+          "recording");
     video_.set(cv::CAP_PROP_ORIENTATION_AUTO, 0);  // builds of OpenCV differ: readRotated() rotates
   }
 
@@ -81,8 +82,9 @@ class VideoSource : public FrameSource {
     image.copyTo(target);
   }
 
-  /// The number of frames, counted by packets: the count that a container declares may be derived from its duration.
-  /// If there are fewer packets and their times do not reach the declared end, the recording is truncated.
+  /// The number of frames, counted by packets: the count that a container declares may be derived from its
+  /// duration. If there are fewer packets and their times do not reach the declared end, the recording is
+  /// truncated.
   int countFrames() const {
     const double declared = video_.get(cv::CAP_PROP_FRAME_COUNT);
     const bool is_known = declared >= 1 && declared < kMaxFrame;

@@ -21,7 +21,8 @@ class FrameSource {
   virtual ImageSize size() const = 0;
   virtual int frameCount() const = 0;
   virtual double rateHz() const = 0;
-  /// When each frame was taken, in seconds after the first one: a video's presentation timestamps. Empty if unknown.
+  /// When each frame was taken, in seconds after the first one: a video's presentation timestamps. Empty if
+  /// unknown.
   virtual const std::vector<double>& timesS() const = 0;
   /// "yuv420p, 8 bits": how the file stores pixels; empty if unknown.
   virtual std::string pixelFormat() const { return {}; }

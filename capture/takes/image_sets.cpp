@@ -56,7 +56,8 @@ bool matchesByNumber(const std::vector<std::vector<double>>& camera_times_s) {
   for (const std::vector<double>& times_s : camera_times_s) fewest = std::min(fewest, times_s.size());
   if (fewest == 0) return true;
   const std::vector<double>& first = camera_times_s.front();
-  const double mean_s = fewest > 1 ? (first[fewest - 1] - first[0]) / static_cast<double>(fewest - 1) : interval_s;
+  const double mean_s =
+      fewest > 1 ? (first[fewest - 1] - first[0]) / static_cast<double>(fewest - 1) : interval_s;
   for (const std::vector<double>& times_s : camera_times_s)
     for (std::size_t k = 0; k < fewest; ++k)
       if (std::abs(times_s[k] - first[0] - static_cast<double>(k) * mean_s) > 0.25 * interval_s) return false;

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "capture/takes/poses_file.h"
-#include "engine/camera/silhouette_image.h"
 #include "engine/camera/rig.h"
+#include "engine/camera/silhouette_image.h"
 #include "engine/core/clock.h"
 
 namespace airclay {

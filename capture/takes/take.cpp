@@ -24,7 +24,7 @@ struct Take::Parts {
   std::vector<std::map<int, path>> masks;            // one per camera, or empty
   bool has_background = false;
   std::vector<ImageSet> sets;  // if images are matched by time; otherwise frame k is image k of every camera
-  std::uint32_t missing_cameras = 0;  // in the frame that was read last
+  std::uint32_t missing_cameras = 0;       // in the frame that was read last
   std::vector<std::vector<double>> times;  // per frame, per camera; empty without timestamps.csv
   double seconds_per_frame = 1.0 / 30;
   int frame_count = 0;
@@ -221,7 +221,8 @@ void Take::Parts::matchByTime() {
   const bool has_offset = std::ranges::any_of(offsets_s, [](double offset_s) { return offset_s != 0; });
   if (frames.empty() || !masks.empty()) {
     if (has_offset)
-      throw Error(folder.string() + ": --offset does not apply to masks, which have no timestamps", Fault::kUsage);
+      throw Error(folder.string() + ": --offset does not apply to masks, which have no timestamps",
+                  Fault::kUsage);
     return;
   }
   if (!times.empty() && !has_offset) return;  // the rows of timestamps.csv are frames
@@ -232,9 +233,10 @@ void Take::Parts::matchByTime() {
 
   sets = matchImages(of_cameras);
   if (sets.empty())
-    throw Error(folder.string() +
-                ": at no instant does every camera have an image; expected recordings of the same time, or --offset "
-                "NAME=MS with how late each camera's timestamps are");
+    throw Error(
+        folder.string() +
+        ": at no instant does every camera have an image; expected recordings of the same time, or --offset "
+        "NAME=MS with how late each camera's timestamps are");
   sets.resize(std::min(sets.size(), static_cast<size_t>(options.max_frames)));
   frame_count = static_cast<int>(sets.size());
   times.clear();
@@ -243,11 +245,13 @@ void Take::Parts::matchByTime() {
     seconds_per_frame = (mean(times.back()) - mean(times.front())) / static_cast<double>(sets.size() - 1);
   std::string missing;
   for (size_t c = 0; c < rig.cameras.size(); ++c) {
-    const auto count = std::ranges::count_if(sets, [&](const ImageSet& set) { return set.missing_cameras >> c & 1; });
-    if (count > 0) missing += "; camera \"" + rig.cameras[c].name + "\" has no image in " + std::to_string(count);
+    const auto count =
+        std::ranges::count_if(sets, [&](const ImageSet& set) { return set.missing_cameras >> c & 1; });
+    if (count > 0)
+      missing += "; camera \"" + rig.cameras[c].name + "\" has no image in " + std::to_string(count);
   }
-  note = folder.string() + ": images are matched by their timestamps: " + std::to_string(frame_count) + " frames" +
-         missing;
+  note = folder.string() + ": images are matched by their timestamps: " + std::to_string(frame_count) +
+         " frames" + missing;
 }
 
 Take::Take(const path& folder, const TakeOptions& options) : parts_(std::make_unique<Parts>()) {

@@ -16,8 +16,8 @@ struct TakeOptions {
   int background_frames = 10;  ///< leading frames that show the empty workspace, if there is no background/
   /// Accepts a recording that was interrupted while being written, and uses its complete frames.
   bool unfinished = false;
-  /// By how much a camera's timestamps are late, in seconds, by its name: they are subtracted, and images are matched
-  /// by their times.
+  /// By how much a camera's timestamps are late, in seconds, by its name: they are subtracted, and images are
+  /// matched by their times.
   std::map<std::string, double> offsets_s;
   int max_frames = std::numeric_limits<int>::max();  ///< later frames are ignored
 };
@@ -38,7 +38,8 @@ class Take : public Recording {
   Take& operator=(Take&&) noexcept;
 
   const Rig& rig() const override;
-  /// The number of frames: instants at which every camera, or with different rates at least two, has an image.
+  /// The number of frames: instants at which every camera, or with different rates at least two, has an
+  /// image.
   int frameCount() const override;
   /// Average frames per second.
   double rateHz() const override;

@@ -180,8 +180,8 @@ class Inspector {
       const std::vector<BackgroundPixel> background = backgroundOf(i, empty);
       for (std::size_t k = 0; k < chosen.size(); ++k) {
         BgrImage image(bytesOf(rig_.cameras[i]));
-        frames_[i]->read(
-            sets_by_time.empty() ? chosen[k] : sets_by_time[std::size_t(chosen[k])].images[i], image);
+        frames_[i]->read(sets_by_time.empty() ? chosen[k] : sets_by_time[std::size_t(chosen[k])].images[i],
+                         image);
         sets[k].push_back(silhouette(rig_.cameras[i], image, background));
         reportProgress(double(i * chosen.size() + k + 1) / double(chosen.size() * rig_.cameras.size()));
       }
@@ -211,7 +211,7 @@ class Inspector {
   }
 
   static Silhouette silhouette(const Camera& camera, const BgrImage& image,
-                         const std::vector<BackgroundPixel>& background) {
+                               const std::vector<BackgroundPixel>& background) {
     std::vector<double> scores(background.size());
     for (std::size_t i = 0; i < scores.size(); ++i)
       scores[i] = scoreReference(Vec3(image[3 * i], image[3 * i + 1], image[3 * i + 2]), background[i]);

@@ -2,8 +2,8 @@
 // A rig in device memory: its cameras, and the memory layout of their masks and images.
 #pragma once
 
-#include "engine/camera/silhouette_image.h"
 #include "engine/camera/rig.h"
+#include "engine/camera/silhouette_image.h"
 #include "engine/gpu/buffer.h"
 #include "shaders/camera/camera_io.h"
 

@@ -9,8 +9,8 @@
 
 namespace airclay {
 
-/// One byte per pixel, row-major from the top left, in the camera's raw (distorted) image: the probability that the
-/// pixel shows the hand, from 0 to 255. A mask uses only 0 and 255.
+/// One byte per pixel, row-major from the top left, in the camera's raw (distorted) image: the probability
+/// that the pixel shows the hand, from 0 to 255. A mask uses only 0 and 255.
 struct Silhouette {
   /// A pixel belongs to the hand from this value on.
   static constexpr std::uint8_t kThreshold = 128;

@@ -85,7 +85,8 @@ VoxelGrid carveReference(const Rig& rig, const std::vector<Silhouette>& masks, i
 
 /// Whether the point projects, in any camera, to within `pixels` of a silhouette's edge or an image's border,
 /// where single and double precision may round to different pixels.
-bool isEdgePoint(const Rig& rig, const std::vector<Silhouette>& masks, const Vec3& point_in_world, double pixels);
+bool isEdgePoint(const Rig& rig, const std::vector<Silhouette>& masks, const Vec3& point_in_world,
+                 double pixels);
 
 /// isEdgePoint() of every voxel's centre, one byte per voxel.
 std::vector<std::uint8_t> edgeVoxels(const Rig& rig, const std::vector<Silhouette>& masks, int voxels,

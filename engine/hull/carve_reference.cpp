@@ -26,7 +26,7 @@ VoxelGrid carveReference(const Rig& rig, const std::vector<Silhouette>& masks, i
       if (!pixel) continue;
       ++seen;
       if (!masks[c].contains(static_cast<int>(std::floor(pixel->x() + 0.5)),
-                 static_cast<int>(std::floor(pixel->y() + 0.5))))
+                             static_cast<int>(std::floor(pixel->y() + 0.5))))
         return;
     }
     grid.occupied[index] = seen >= 2;
@@ -34,7 +34,8 @@ VoxelGrid carveReference(const Rig& rig, const std::vector<Silhouette>& masks, i
   return grid;
 }
 
-bool isEdgePoint(const Rig& rig, const std::vector<Silhouette>& masks, const Vec3& point_in_world, double pixels) {
+bool isEdgePoint(const Rig& rig, const std::vector<Silhouette>& masks, const Vec3& point_in_world,
+                 double pixels) {
   for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
     const Camera& camera = rig.cameras[c];
     const std::optional<Vec2> pixel =

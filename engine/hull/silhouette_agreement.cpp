@@ -123,7 +123,8 @@ Rig mirrored(const Rig& rig, int image_axis) {
   return result;
 }
 
-std::vector<SilhouetteAgreement> agreementAt(int voxels, const Rig& rig, std::span<const SilhouetteSet> instants) {
+std::vector<SilhouetteAgreement> agreementAt(int voxels, const Rig& rig,
+                                             std::span<const SilhouetteSet> instants) {
   std::vector<SilhouetteAgreement> agreement(rig.cameras.size());
   for (const SilhouetteSet& masks : instants) {
     const DilatedHull hull(rig, masks, voxels);
@@ -206,7 +207,8 @@ std::string percent(double fraction) {
 
 }  // namespace
 
-std::vector<SilhouetteAgreement> silhouetteAgreement(const Rig& rig, std::span<const SilhouetteSet> instants) {
+std::vector<SilhouetteAgreement> silhouetteAgreement(const Rig& rig,
+                                                     std::span<const SilhouetteSet> instants) {
   return agreementAt(kVoxels, rig, instants);
 }
 

@@ -252,7 +252,7 @@ TEST(RigMetrics, AxesMeetWhereTheCamerasLook) {
 struct Scene {
   Rig rig = ringRig(4);
   std::vector<SilhouetteSet> instants = {sphereMasks(rig, Vec3(0.08, -0.05, 0.06), 0.07),
-                                   sphereMasks(rig, Vec3(-0.06, 0.03, -0.02), 0.05)};
+                                         sphereMasks(rig, Vec3(-0.06, 0.03, -0.02), 0.05)};
 
   std::vector<RigDiagnostic> findings() const {
     return silhouetteDiagnostics(rig, instants, silhouetteAgreement(rig, instants));

@@ -7,10 +7,10 @@
 #include <random>
 #include <thread>
 
-#include "capture/takes/frame_matcher.h"
 #include "capture/cameras/live_cameras.h"
 #include "capture/cameras/v4l2_devices.h"
 #include "capture/images/video_writer.h"
+#include "capture/takes/frame_matcher.h"
 #include "engine/core/error.h"
 #include "tests/support/mjpeg_server.h"
 #include "tests/support/program.h"

@@ -66,7 +66,8 @@ struct Scene {
   std::vector<double> distances;
   Recorder recorder;
 
-  Scene(const Rig& r, const std::vector<Silhouette>& masks, int voxels, const Vec3& center, double half_size_m)
+  Scene(const Rig& r, const std::vector<Silhouette>& masks, int voxels, const Vec3& center,
+        double half_size_m)
       : rig(testGpu(), r), carver(testGpu(), rig, voxels), field(testGpu()), recorder(testGpu()) {
     Buffer<std::uint32_t> packed(testGpu(), rig.maskWords(), Memory::kHost);
     rig.pack(masks, packed.host());

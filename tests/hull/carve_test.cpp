@@ -8,8 +8,8 @@
 namespace airclay {
 namespace {
 
-VoxelGrid carve(const Rig& rig, const std::vector<Silhouette>& masks, int voxels, HullStats* counted = nullptr,
-                std::uint32_t missing_cameras = 0) {
+VoxelGrid carve(const Rig& rig, const std::vector<Silhouette>& masks, int voxels,
+                HullStats* counted = nullptr, std::uint32_t missing_cameras = 0) {
   Gpu& gpu = testGpu();
   const GpuRig gpu_rig(gpu, rig);
   Buffer<std::uint32_t> packed(gpu, gpu_rig.maskWords(), Memory::kHost);

@@ -18,7 +18,8 @@ void require(bool succeeded, const char* what) {
 
 }  // namespace
 
-void remuxVideo(const std::filesystem::path& from, const std::filesystem::path& to, const RemuxOptions& options) {
+void remuxVideo(const std::filesystem::path& from, const std::filesystem::path& to,
+                const RemuxOptions& options) {
   AVFormatContext *in = nullptr, *out = nullptr;
   require(avformat_open_input(&in, from.c_str(), nullptr, nullptr) >= 0, "open");
   require(avformat_find_stream_info(in, nullptr) >= 0, "streams");

@@ -14,6 +14,7 @@ struct RemuxOptions {
 };
 
 /// Throws std::runtime_error if a file cannot be read or written.
-void remuxVideo(const std::filesystem::path& from, const std::filesystem::path& to, const RemuxOptions& options);
+void remuxVideo(const std::filesystem::path& from, const std::filesystem::path& to,
+                const RemuxOptions& options);
 
 }  // namespace airclay

@@ -36,7 +36,7 @@ std::vector<Silhouette> sphereMasks(const Rig& rig, const Vec3& center, double r
   std::vector<Silhouette> masks;
   for (const Camera& camera : rig.cameras) {
     Silhouette mask{camera.width, camera.height,
-              std::vector<std::uint8_t>(std::size_t(camera.width) * camera.height)};
+                    std::vector<std::uint8_t>(std::size_t(camera.width) * camera.height)};
     const Vec3 center_in_camera = camera.camera_from_world * center;
     for (int y = 0; y < camera.height; ++y)
       for (int x = 0; x < camera.width; ++x)

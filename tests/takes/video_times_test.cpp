@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Videos of different rates, with dropped frames, start offsets or rotation metadata. Each image shows its own time.
+// Videos of different rates, with dropped frames, start offsets or rotation metadata. Each image shows its
+// own time.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -55,7 +56,8 @@ class VideoTimes : public testing::Test {
     for (std::size_t c = 0; c < 4; ++c) {
       if (take.missingCameras() >> c & 1) continue;
       const double shown_s = (bytes[c][0] - 20) / 120.0;
-      EXPECT_NEAR(shown_s, take.timeOf(frame), tolerance_s + kGreyLoss / 120.0) << "camera " << c << ", frame " << frame;
+      EXPECT_NEAR(shown_s, take.timeOf(frame), tolerance_s + kGreyLoss / 120.0)
+          << "camera " << c << ", frame " << frame;
     }
   }
 
@@ -83,7 +85,8 @@ TEST_F(VideoTimes, SlowerCameraIsMissingInEveryOtherFrame) {
   ASSERT_EQ(take.frameCount(), 31);
   EXPECT_NEAR(take.rateHz(), 30, 0.1);
   ASSERT_TRUE(take.note());
-  EXPECT_NE(take.note()->find("camera \"" + names[3] + "\" has no image in 15"), std::string::npos) << *take.note();
+  EXPECT_NE(take.note()->find("camera \"" + names[3] + "\" has no image in 15"), std::string::npos)
+      << *take.note();
   for (int frame = 0; frame < 31; ++frame) {
     expectTimesShown(take, frame, 0.002);
     EXPECT_EQ(take.missingCameras(), frame % 2 == 0 ? 0u : 8u) << frame;
@@ -113,9 +116,10 @@ TEST_F(VideoTimes, VariableFrameRateIsFollowed) {
   for (int c = 0; c < 3; ++c) writeVideo(video(c), 30, 31);
   quietOpenCv();
   {
-    cv::VideoWriter writer(scratch("variable.mkv").string(), cv::CAP_FFMPEG, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'),
-                           30, {kWidth, kHeight});
-    for (int k = 0; k < 26; ++k) writer.write(cv::Mat(kHeight, kWidth, CV_8UC3, cv::Scalar::all(greyAt(time_s(k)))));
+    cv::VideoWriter writer(scratch("variable.mkv").string(), cv::CAP_FFMPEG,
+                           cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 30, {kWidth, kHeight});
+    for (int k = 0; k < 26; ++k)
+      writer.write(cv::Mat(kHeight, kWidth, CV_8UC3, cv::Scalar::all(greyAt(time_s(k)))));
   }
   remuxVideo(scratch("variable.mkv"), video(3), {.time_s = time_s});
   Take take(folder.path());
@@ -168,8 +172,8 @@ TEST_F(VideoTimes, TimestampsFileAndOffsetMatchAgain) {
 TEST_F(VideoTimes, RotationMetadataIsApplied) {
   quietOpenCv();
   {
-    cv::VideoWriter writer(scratch("upright.mkv").string(), cv::CAP_FFMPEG, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'),
-                           30, {kWidth, kHeight});
+    cv::VideoWriter writer(scratch("upright.mkv").string(), cv::CAP_FFMPEG,
+                           cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 30, {kWidth, kHeight});
     cv::Mat image(kHeight, kWidth, CV_8UC3, cv::Scalar::all(40));
     image(cv::Rect(0, 0, kWidth / 2, kHeight / 2)).setTo(cv::Scalar::all(220));  // top left
     for (int k = 0; k < 3; ++k) writer.write(image);
