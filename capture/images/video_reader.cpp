@@ -126,27 +126,25 @@ class ImageSource : public FrameSource {
       ++expected;
     }
     size_ = imageSize(images_.at(0));
+    bits_ = imageBits(images_.at(0));
   }
 
   ImageSize size() const override { return size_; }
   int frameCount() const override { return static_cast<int>(images_.size()); }
+  std::string pixelFormat() const override { return std::to_string(bits_) + " bits"; }
   double rateHz() const override { return kDefaultRateHz; }
   const std::vector<double>& timesS() const override { return no_times_; }
 
   void read(int frame, std::span<std::uint8_t> bgr) override {
-    readImage(images_.at(frame), size_, PixelFormat::kBgr8, bgr);
+    readImage(images_.at(frame), size_, PixelFormat::kBgr8, bgr, bits_);
   }
 
  private:
   std::map<int, std::filesystem::path> images_;
   std::vector<double> no_times_;
   ImageSize size_;
+  int bits_ = 8;  // per sample, of the first image: all are scaled alike
 };
-
-bool isImageEnding(const std::string& extension) {
-  constexpr const char* kEndings[] = {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp"};
-  return std::ranges::find(kEndings, extension) != std::end(kEndings);
-}
 
 std::string lowerCase(std::string text) {
   for (char& c : text)
@@ -185,16 +183,18 @@ std::unique_ptr<FrameSource> openFrames(const std::filesystem::path& take, const
                                         bool unfinished) {
   if (const auto video = videoOf(take, name)) return std::make_unique<VideoSource>(*video, unfinished);
   const std::filesystem::path folder = take / name;
-  if (std::filesystem::is_directory(folder)) return std::make_unique<ImageSource>(folder);
+  std::error_code error;
+  if (std::filesystem::is_directory(folder, error)) return std::make_unique<ImageSource>(folder);
+  if (error == std::errc::too_many_symbolic_link_levels)
+    throw Error(folder.string() + ": a loop of symbolic links; expected a folder with images");
   return nullptr;
 }
 
 std::map<int, std::filesystem::path> numberedImages(const std::filesystem::path& folder) {
   std::map<int, std::filesystem::path> images;
   for (const std::filesystem::directory_entry& entry : std::filesystem::directory_iterator(folder)) {
-    const std::string extension = lowerCase(entry.path().extension().string()),
-                      stem = entry.path().stem().string();
-    const bool is_image = isImageEnding(extension);
+    const std::string stem = entry.path().stem().string();
+    const bool is_image = isImageName(entry.path().filename().string());
     if (!is_image || stem.empty() || stem.find_first_not_of("0123456789") != std::string::npos) continue;
     int frame = 0;
     const std::from_chars_result result = std::from_chars(stem.data(), stem.data() + stem.size(), frame);
