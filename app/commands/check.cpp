@@ -35,6 +35,7 @@ struct Findings {
     try {
       part();
     } catch (const Error& error) {
+      if (error.fault() == Fault::kUsage) throw;
       addError(error.what());
     }
   }
@@ -104,6 +105,7 @@ void checkFrames(const std::filesystem::path& folder, Camera& camera, Findings& 
 }
 
 void checkTake(const CheckInputOptions& options, Findings& findings) {
+  const TakeOptions take_options = options.input.takeOptions();  // may reject the options
   const std::filesystem::path folder = options.input.folder;
   const std::optional<std::filesystem::path> file = rigFileIn(folder);
   if (file) {
@@ -116,7 +118,7 @@ void checkTake(const CheckInputOptions& options, Findings& findings) {
   }
   // The last say is that of the reader itself.
   findings.collect([&] {
-    const Take take(folder, options.input.takeOptions());
+    const Take take(folder, take_options);
     if (take.note()) findings.warnings.push_back(*take.note());
     findings.facts.update({{"frames", take.frameCount()},
                            {"rate_hz", take.rateHz()},

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Several cameras at once: a thread reads each, a matcher puts their frames together by capture time
-// (capture/takes/frame_matcher.h), and what is wrong with a camera is said by its name while the rest go
-// on.
+// (capture/takes/frame_matcher.h), and a problem is reported with the camera's name while the others
+// continue.
 #pragma once
 
 #include <functional>

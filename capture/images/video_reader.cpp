@@ -51,6 +51,7 @@ class VideoSource : public FrameSource {
     for (; next_ <= frame; ++next_)
       if (!video_.grab()) failAt(next_, frame_count_);
     cv::Mat target(size_.height, size_.width, CV_8UC3, bgr.data());
+    if (index_.rotation_degrees != 0) return readRotated(frame, target);
     cv::Mat image = target;  // the decoder writes to it if size and type match
     if (!video_.retrieve(image)) failAt(frame, frame_count_);
     if (image.size() != target.size() || image.type() != target.type())

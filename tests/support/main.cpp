@@ -28,13 +28,13 @@ class GpuListener : public testing::EmptyTestEventListener {
   std::size_t reported_ = 0;
 };
 
-/// The temporary folder of this process and of the programs that it runs, in the build folder.
+/// The temporary folder of this process and of the programs that it runs.
 class TemporaryRoot {
  public:
   TemporaryRoot() {
-    std::filesystem::create_directories(AIRCLAY_BUILD "/tests/tmp");
-    setenv("TMPDIR", AIRCLAY_BUILD "/tests/tmp", 1);
     folder_.emplace();
+    // some tests run as another user, who must reach their files
+    std::filesystem::permissions(folder_->path(), std::filesystem::perms(0755));
     setenv("TMPDIR", folder_->path().c_str(), 1);
   }
   /// Runs after the destructors of all static objects that tests create.

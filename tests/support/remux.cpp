@@ -32,7 +32,7 @@ void remuxVideo(const std::filesystem::path& from, const std::filesystem::path& 
   if (options.rotation_degrees != 0) {
     auto* matrix = reinterpret_cast<std::int32_t*>(
         av_stream_new_side_data(stream, AV_PKT_DATA_DISPLAYMATRIX, 9 * sizeof(std::int32_t)));
-    av_display_rotation_set(matrix, -options.rotation_degrees);
+    av_display_rotation_set(matrix, options.rotation_degrees);
   }
   require(avio_open(&out->pb, to.c_str(), AVIO_FLAG_WRITE) >= 0, "create");
   require(avformat_write_header(out, nullptr) >= 0, "header");

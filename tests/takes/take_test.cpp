@@ -504,7 +504,7 @@ TEST_F(TakeTest, RejectsBadImages) {
   folder.write("left/000001.png", whole);
   expectFault({"left/000001.png", "damaged"});
   folder.write("left/000001.png", "no image");
-  expectFault({"left/000001.png", "neither"});
+  expectFault({"left/000001.png", "is not a PNG"});
   writeImage(folder / "noise.jpg", noise);
   std::ifstream jpeg(folder / "noise.jpg", std::ios::binary);
   const std::string jpeg_bytes{std::istreambuf_iterator<char>(jpeg), {}};

@@ -111,25 +111,25 @@ TEST_F(VideoTimes, DroppedFrameIsMissingAndShiftsNothing) {
 }
 
 TEST_F(VideoTimes, VariableFrameRateIsFollowed) {
-  // a camera that lengthens its exposure: 30 Hz, then 20 Hz
-  const auto time_s = [](int k) { return k < 15 ? k / 30.0 : 15 / 30.0 + (k - 15) / 20.0; };
-  for (int c = 0; c < 3; ++c) writeVideo(video(c), 30, 31);
+  // a camera that lengthens its exposure: 30 Hz, then 25 Hz
+  const auto time_s = [](int k) { return k < 15 ? k / 30.0 : 15 / 30.0 + (k - 15) / 25.0; };
+  for (int c = 0; c < 3; ++c) writeVideo(video(c), 30, 34);
   quietOpenCv();
   {
     cv::VideoWriter writer(scratch("variable.mkv").string(), cv::CAP_FFMPEG,
                            cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 30, {kWidth, kHeight});
-    for (int k = 0; k < 26; ++k)
+    for (int k = 0; k < 31; ++k)
       writer.write(cv::Mat(kHeight, kWidth, CV_8UC3, cv::Scalar::all(greyAt(time_s(k)))));
   }
   remuxVideo(scratch("variable.mkv"), video(3), {.time_s = time_s});
   Take take(folder.path());
-  ASSERT_EQ(take.frameCount(), 31);
+  ASSERT_EQ(take.frameCount(), 34);
   int missing = 0;
-  for (int frame = 0; frame < 31; ++frame) {
+  for (int frame = 0; frame < 34; ++frame) {
     expectTimesShown(take, frame, 0.5 / 30);
     missing += take.missingCameras() == 8;
   }
-  EXPECT_EQ(missing, 5);
+  EXPECT_EQ(missing, 3);  // 19 instants at 30 Hz, 16 images at 25 Hz
 }
 
 TEST_F(VideoTimes, OffsetMovesACamerasTimes) {
@@ -212,9 +212,10 @@ TEST(ImageSets, CamerasThatDriftApartStayMatched) {
   std::vector<int> used(290);
   for (const ImageSet& set : sets) {
     if (!(set.missing_cameras >> 2 & 1)) ++used[std::size_t(set.images[2])];
-    for (std::size_t c = 0; c < 3; ++c)
-      if (!(set.missing_cameras >> c & 1))
-        EXPECT_LE(std::abs(times[c][std::size_t(set.images[c])] - set.times_s[0]), 0.5 / 29);
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (set.missing_cameras >> c & 1) continue;
+      EXPECT_LE(std::abs(times[c][std::size_t(set.images[c])] - set.times_s[0]), 0.5 / 29);
+    }
   }
   EXPECT_LE(*std::ranges::max_element(used), 1);
   EXPECT_GE(std::ranges::count(used, 1), 280);
