@@ -163,7 +163,7 @@ struct Pipeline::Parts {
     FrameResult result;
     const auto start = Clock::now();
     setHandSource(true);
-    std::ranges::fill(replay_hands.host(), GpuHandPose{});
+    std::ranges::fill(replay_hands.host(), noHandPose());
     for (std::size_t k = 0; k < hands.size(); ++k) {
       HandFit& fit = result.hands.emplace_back();
       fit.pose = hands[k];

@@ -5,12 +5,20 @@
 
 namespace airclay {
 
+GpuHandPose noHandPose() {
+  GpuHandPose none;
+  none.rotation.setZero();
+  none.position.setZero();
+  none.tracked = 0;
+  for (vec3& angle : none.joint_angles) angle.setZero();
+  return none;
+}
+
 GpuHandPose gpuHandPose(const HandPose& pose, const HandPoseFrame& frame) {
-  GpuHandPose device{};
+  GpuHandPose device = noHandPose();
   device.rotation = Eigen::Quaterniond(pose.world_from_hand.linear()).coeffs().cast<float>();
   device.position = (pose.world_from_hand * frame.center_of_mass - frame.workspace_center).cast<float>();
   device.tracked = 1;
-  for (vec3& angle : device.joint_angles) angle.setZero();
   const std::size_t joints = std::min<std::size_t>(pose.joint_angles.size(), kMaxHandJoints);
   for (std::size_t j = 0; j < joints; ++j) device.joint_angles[j] = pose.joint_angles[j].cast<float>();
   return device;

@@ -27,6 +27,9 @@ struct HandPoseFrame {
   Vec3 workspace_center = Vec3::Zero();  ///< world, metres
 };
 
+/// A pose of all zeros, not tracked: no hand. (Eigen does not initialize vectors.)
+GpuHandPose noHandPose();
+
 /// The pose for the kernels, marked as tracked. \pre at most kMaxHandJoints joint angles
 GpuHandPose gpuHandPose(const HandPose& pose, const HandPoseFrame& frame);
 /// The inverse of gpuHandPose(). Joint angles that are all zero become the rest pose (empty).

@@ -42,6 +42,7 @@ Eigen::Quaterniond rotationOf(const GpuFit& fit) {
 
 GpuFit startAt(const Eigen::Quaterniond& rotation, const Vec3& position) {
   GpuFit fit{};
+  fit.pose = noHandPose();
   fit.pose.rotation = rotation.coeffs().cast<float>();
   fit.pose.position = position.cast<float>();
   return fit;
@@ -82,7 +83,7 @@ HandTracker::HandTracker(Gpu& gpu, const GpuRig& rig, const HandModel& hand, con
       fits_(gpu, kMaxFits, Memory::kHost),
       result_(gpu, 1, Memory::kHost),
       hands_(gpu, kMaxHands, Memory::kHost) {
-  std::ranges::fill(hands_.host(), GpuHandPose{});
+  std::ranges::fill(hands_.host(), noHandPose());
   Eigen::AlignedBox3d box;
   for (const Vec3& vertex : hand.skin.vertices) box.extend(vertex);
   hand_low_ = box.min();

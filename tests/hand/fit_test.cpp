@@ -52,6 +52,7 @@ Pose rootOf(const GpuFit& fit, const FitModel& model, const Workspace& workspace
 
 GpuFit startAt(const Vec3& position, const Eigen::Quaterniond& rotation = Eigen::Quaterniond::Identity()) {
   GpuFit fit{};
+  fit.pose = noHandPose();
   fit.pose.position = position.cast<float>();
   fit.pose.rotation = rotation.coeffs().cast<float>();
   return fit;

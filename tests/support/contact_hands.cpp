@@ -36,7 +36,7 @@ HandModel boxHand(const Vec3& size_m) {
 }
 
 GpuHandPose gpuHandAt(const Vec3& position_m, const Eigen::Quaterniond& rotation) {
-  GpuHandPose hand{};
+  GpuHandPose hand = noHandPose();
   hand.rotation = rotation.coeffs().cast<float>();
   hand.position = position_m.cast<float>();
   hand.tracked = 1;
