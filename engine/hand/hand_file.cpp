@@ -97,21 +97,6 @@ GltfElements elementsOf(const File& file, int accessor, int type, const std::str
   return GltfElements(file.model, accessor, type, "hand " + file.path.string() + ": " + what);
 }
 
-Eigen::Affine3d localTransform(const tinygltf::Node& node) {
-  Eigen::Affine3d transform = Eigen::Affine3d::Identity();
-  if (node.matrix.size() == 16) {
-    transform.matrix() = Eigen::Map<const Eigen::Matrix4d>(node.matrix.data());  // column-major, like Eigen
-    return transform;
-  }
-  if (node.translation.size() == 3) transform.translate(Eigen::Map<const Vec3>(node.translation.data()));
-  if (node.rotation.size() == 4) {
-    const std::vector<double>& q = node.rotation;  // x y z w
-    transform.rotate(Eigen::Quaterniond(q[3], q[0], q[1], q[2]).normalized());
-  }
-  if (node.scale.size() == 3) transform.scale(Eigen::Map<const Vec3>(node.scale.data()));
-  return transform;
-}
-
 std::vector<int> nodeParents(const File& file) {
   const std::vector<tinygltf::Node>& nodes = file.model.nodes;
   std::vector<int> parents(nodes.size(), -1);
@@ -132,7 +117,7 @@ Eigen::Affine3d sceneFromNode(const File& file, const std::vector<int>& parents,
   size_t steps = 0;
   for (int n = node; n >= 0; n = parents[n]) {
     if (++steps > parents.size()) file.fail("node " + std::to_string(node) + ": it is its own ancestor");
-    scene_from_node = localTransform(file.model.nodes[n]) * scene_from_node;
+    scene_from_node = parentFromNode(file.model.nodes[n]) * scene_from_node;
   }
   if (!scene_from_node.matrix().allFinite() ||
       scene_from_node.matrix().cwiseAbs().maxCoeff() > kMaxCoordinate)

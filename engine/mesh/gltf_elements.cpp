@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "engine/core/error.h"
+#include "engine/core/math.h"
 
 #define TINYGLTF_NO_STB_IMAGE  // there are no textures
 #define TINYGLTF_NO_STB_IMAGE_WRITE
@@ -74,6 +75,22 @@ double GltfElements::at(std::size_t i, std::size_t c) const {
     default:
       return std::nan("");
   }
+}
+
+Eigen::Affine3d parentFromNode(const tinygltf::Node& node) {
+  Eigen::Affine3d transform = Eigen::Affine3d::Identity();
+  if (node.matrix.size() == 16) {
+    transform.matrix() = Eigen::Map<const Eigen::Matrix4d>(node.matrix.data());  // column-major
+    transform.makeAffine();
+    return transform;
+  }
+  if (node.translation.size() == 3) transform.translate(Eigen::Map<const Vec3>(node.translation.data()));
+  if (node.rotation.size() == 4) {
+    const std::vector<double>& q = node.rotation;  // x y z w
+    transform.rotate(Eigen::Quaterniond(q[3], q[0], q[1], q[2]).normalized());
+  }
+  if (node.scale.size() == 3) transform.scale(Eigen::Map<const Vec3>(node.scale.data()));
+  return transform;
 }
 
 }  // namespace airclay

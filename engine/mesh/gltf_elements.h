@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: MIT
-// Checked access to a glTF model's accessors. Numbers in brackets refer to the glTF 2.0 specification.
+// Checked access to a glTF model's accessors, and the transforms of its nodes. Numbers in brackets refer to
+// the glTF 2.0 specification.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <cstddef>
 #include <string>
 
 namespace tinygltf {
 struct Accessor;
 class Model;
+class Node;
 }  // namespace tinygltf
 
 namespace airclay {
@@ -31,5 +34,9 @@ class GltfElements {
   const unsigned char* first_ = nullptr;
   std::size_t component_bytes_ = 0, stride_ = 0;
 };
+
+/// A node's transform relative to its parent, from its matrix or from translation, rotation and scale
+/// [3.5.3].
+Eigen::Affine3d parentFromNode(const tinygltf::Node& node);
 
 }  // namespace airclay

@@ -184,22 +184,6 @@ class GltfReader {
     for (std::size_t m = 0; m < model_.meshes.size(); ++m) addMesh(int(m), Eigen::Affine3d::Identity());
   }
 
-  static Eigen::Affine3d parentFromNode(const tinygltf::Node& node) {
-    Eigen::Affine3d transform = Eigen::Affine3d::Identity();
-    if (node.matrix.size() == 16) {
-      transform.matrix() = Eigen::Map<const Eigen::Matrix4d>(node.matrix.data());  // column-major
-      transform.makeAffine();
-      return transform;
-    }
-    if (node.translation.size() == 3) transform.translate(Eigen::Map<const Vec3>(node.translation.data()));
-    if (node.rotation.size() == 4) {
-      const std::vector<double>& q = node.rotation;  // x y z w
-      transform.rotate(Eigen::Quaterniond(q[3], q[0], q[1], q[2]).normalized());
-    }
-    if (node.scale.size() == 3) transform.scale(Eigen::Map<const Vec3>(node.scale.data()));
-    return transform;
-  }
-
   // --- meshes [3.7] ---
 
   void addMesh(int index, const Eigen::Affine3d& scene_from_mesh) {
