@@ -107,5 +107,20 @@ TEST(ImageFile, ReportsFloatingPointSamples) {
             std::string::npos);
 }
 
+TEST(ImageFile, PngRoundTripIsExact) {
+  const TemporaryFolder folder;
+  std::vector<std::uint8_t> rgba;
+  for (int i = 0; i < 5 * 4; ++i)
+    for (const int value : {i, 50 + i, 100 + i, 255}) rgba.push_back(static_cast<std::uint8_t>(value));
+  writePng(folder / "a.png", {5, 4}, rgba);
+  EXPECT_EQ(imageSize(folder / "a.png"), (ImageSize{5, 4}));
+  std::vector<std::uint8_t> bgr(5 * 4 * 3);
+  readImage(folder / "a.png", {5, 4}, PixelFormat::kBgr8, bgr);
+  for (size_t i = 0; i < 20; ++i)
+    for (size_t c = 0; c < 3; ++c) ASSERT_EQ(bgr[3 * i + c], rgba[4 * i + 2 - c]);
+  EXPECT_NE(messageOf([&] { writePng(folder / "none/a.png", {5, 4}, rgba); }), "");
+  EXPECT_NE(messageOf([&] { writePng(folder / "b.png", {5, 5}, rgba); }), "");
+}
+
 }  // namespace
 }  // namespace airclay
