@@ -24,7 +24,7 @@ Board BoardOptions::board() const {
   Board board;
   std::tie(board.squares_x, board.squares_y) = parsePair("--squares", squares);
   board.square_m = square_mm / 1000;
-  board.marker_m = marker_mm != 0 ? marker_mm / 1000 : usualMarker(board.square_m);
+  board.marker_m = marker_mm != 0 ? marker_mm / 1000 : defaultMarker(board.square_m);
   board.dictionary = dictionary.starts_with("DICT_") ? dictionary.substr(5) : dictionary;
   board.inverted = invert;
   board.chessboard = chessboard;

@@ -87,7 +87,7 @@ struct Verdict {
 Verdict judge(const Board& board, const Sight& sight, Page page) {
   Verdict verdict;
   verdict.cell_px = cellPixels(board, sight.sight);
-  verdict.readable = verdict.cell_px >= leastCellPixels(board);
+  verdict.readable = verdict.cell_px >= minCellPixels(board);
   if (!verdict.readable) verdict.proposal = readableBoard(board, sight.sight, page);
   return verdict;
 }
@@ -95,12 +95,12 @@ Verdict judge(const Board& board, const Sight& sight, Page page) {
 void printVerdict(const BoardCommandOptions& options, const Board& board, const Sight& sight,
                   const Verdict& verdict) {
   const std::string cell = board.chessboard ? "a square" : "a marker's cell";
-  const std::string least = fixed(leastCellPixels(board), 0);
+  const std::string least = fixed(minCellPixels(board), 0);
   printLine(options, "To " + sight.camera + ", " + cell + " has " + fixed(verdict.cell_px, 1) +
                          " pixels: " + (verdict.readable ? "it will be read" : "too few to be read") + " (" +
                          least + " are needed, more where the board is held aslant).");
   if (verdict.readable) return;
-  const double nearer_m = sight.sight.distance_m * verdict.cell_px / leastCellPixels(board);
+  const double nearer_m = sight.sight.distance_m * verdict.cell_px / minCellPixels(board);
   if (!verdict.proposal) {
     printLine(options, "No board on A3 will do there. Within " + fixed(nearer_m, 2) + " m this one is read.");
     return;

@@ -11,16 +11,16 @@
 namespace airclay {
 namespace {
 
-// Nothing larger is printed, or waved.
+// Larger boards are not practical to print or to hold.
 constexpr double kMaxSquareM = 2;
 
-[[noreturn]] void refuse(const std::string& message) {
+[[noreturn]] void reject(const std::string& message) {
   throw Error(message, Fault::kUsage);
 }
 
 void checkLength(const std::string& option, double length_m) {
   if (std::isfinite(length_m) && length_m > 0 && length_m <= kMaxSquareM) return;
-  refuse(option + " " + inMillimetres(length_m) + ": expected more than 0 and at most " +
+  reject(option + " " + inMillimetres(length_m) + ": expected more than 0 and at most " +
          inMillimetres(kMaxSquareM) + " millimetres");
 }
 
@@ -28,7 +28,7 @@ void checkLength(const std::string& option, double length_m) {
 
 std::optional<ArucoDictionary> arucoDictionary(const std::string& name) {
   if (name == "ARUCO_ORIGINAL") return ArucoDictionary{cv::aruco::DICT_ARUCO_ORIGINAL, 1024, 5};
-  int number = cv::aruco::DICT_4X4_50;  // the enumeration goes on by number of markers, then by size
+  int number = cv::aruco::DICT_4X4_50;  // the enumerators are ordered by bits, then by number of markers
   for (int bits = 4; bits <= 7; ++bits)
     for (const int markers : {50, 100, 250, 1000}) {
       const std::string side = std::to_string(bits);
@@ -44,29 +44,27 @@ void checkBoard(const Board& board) {
   const int most = std::max(board.squares_x, board.squares_y);
   const std::string squares =
       "--squares " + std::to_string(board.squares_x) + "x" + std::to_string(board.squares_y) + ": ";
-  // Four corners that stand in no line are a pose; OpenCV looks for chessboards of three by three corners or
-  // more.
+  // A pose needs four corners that are not collinear. OpenCV finds chessboards only from 3 x 3 corners.
   const int at_least = board.chessboard ? 4 : 3;
   if (fewest < at_least || most > kMaxSquares)
-    refuse(squares + "expected " + std::to_string(at_least) + " to " + std::to_string(kMaxSquares) +
+    reject(squares + "expected " + std::to_string(at_least) + " to " + std::to_string(kMaxSquares) +
            " squares along each side");
   checkLength("--square-mm", board.square_m);
   if (board.chessboard && board.two_sided)
-    refuse(
+    reject(
         "--two-sided: a chessboard's back cannot be distinguished from its front; use a board with markers");
   if (board.chessboard) return;
   checkLength("--marker-mm", board.marker_m);
   if (board.marker_m >= board.square_m)
-    refuse("--marker-mm " + inMillimetres(board.marker_m) + ": a marker must be smaller than its square of " +
+    reject("--marker-mm " + inMillimetres(board.marker_m) + ": a marker must be smaller than its square of " +
            inMillimetres(board.square_m) + " mm; expected about " + inMillimetres(0.75 * board.square_m));
   const std::optional<ArucoDictionary> dictionary = arucoDictionary(board.dictionary);
   if (!dictionary)
-    refuse("--dictionary " + board.dictionary +
-           ": 4X4_50, 4X4_100, 4X4_250, 4X4_1000, the same with 5X5, 6X6 and 7X7, or ARUCO_ORIGINAL would be "
-           "right");
+    reject("--dictionary " + board.dictionary +
+           ": expected 4X4_50, 4X4_100, 4X4_250, 4X4_1000, the same with 5X5, 6X6 or 7X7, or ARUCO_ORIGINAL");
   const int required = board.squares_x * board.squares_y / 2;
   if (required > dictionary->markers)
-    refuse(squares + "they take " + std::to_string(required) + " markers, and --dictionary " +
+    reject(squares + "requires " + std::to_string(required) + " markers, but --dictionary " +
            board.dictionary + " has " + std::to_string(dictionary->markers) +
            "; use fewer squares or a larger dictionary");
 }

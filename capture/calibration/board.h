@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Calibration boards: ChArUco boards of OpenCV's dictionaries, and plain chessboards.
 //
-// Board frame: origin at the board's corner, x along its rows of squares to the right, y down, z into the
-// board (x, y, z right-handed); metres. Squares are counted row by row from the upper left; the inner corners
-// too, and a corner's number is its id. The square in the upper left is black, as OpenCV draws it since 4.6.
+// Board frame, in metres: the origin is the board's upper left corner, x points right along a row of squares,
+// y down, and z into the board (right-handed). Squares and inner corners are numbered row by row from the
+// upper left; a corner's id is its number. The upper left square is black, as in OpenCV since 4.6.
 #pragma once
 
 #include <optional>
@@ -14,15 +14,16 @@
 
 namespace airclay {
 
-/// What a board is. \see checkBoard
+/// The layout of a board. Valid if checkBoard() accepts it.
 struct Board {
-  int squares_x = 5, squares_y = 3;   ///< along its width and its height
-  double square_m = 0.054;            ///< a square's edge: measured on the print, not as ordered
-  double marker_m = 0.040;            ///< a marker's edge
+  int squares_x = 5, squares_y = 3;   ///< per row and per column
+  double square_m = 0.054;            ///< edge of a square, as measured on the print
+  double marker_m = 0.040;            ///< edge of a marker
   std::string dictionary = "4X4_50";  ///< OpenCV's name without DICT_
-  bool inverted = false;              ///< white and black are exchanged
-  bool chessboard = false;            ///< plain: no markers, all inner corners or none are found
-  /// Its back bears the same board mirrored, each corner behind its twin: from behind it is found, too.
+  bool inverted = false;              ///< white and black are swapped
+  bool chessboard = false;            ///< no markers: the detector finds all inner corners or none
+  /// The back shows the mirrored board, each corner behind its counterpart, so the board is also detected
+  /// from behind.
   bool two_sided = false;
 
   int cornersX() const { return squares_x - 1; }
@@ -30,43 +31,42 @@ struct Board {
   int cornerCount() const { return cornersX() * cornersY(); }
   double widthM() const { return squares_x * square_m; }
   double heightM() const { return squares_y * square_m; }
-  /// Whether the squares to the upper left and the lower right of a corner are the black ones, of a board
-  /// that is not inverted.
+  /// Whether the squares to the upper left and lower right of a corner are black (on a board that is not
+  /// inverted).
   bool blackBefore(int id) const { return (id % cornersX() + id / cornersX()) % 2 == 0; }
-  /// \pre 0 <= id < cornerCount()
+  /// The position of a corner in the board frame, metres. \pre 0 <= id < cornerCount()
   Vec3 corner(int id) const { return square_m * Vec3(id % cornersX() + 1, id / cornersX() + 1, 0); }
 
-  /// Looks the same when turned by half a turn: a plain chessboard whose numbers of squares are both even or
-  /// both odd. In each image its corners are counted so that its rows run to the right.
+  /// Whether the board looks the same after half a turn: a chessboard whose numbers of squares are both even
+  /// or both odd. The corners of such a board are numbered so that its rows point right in the image.
   bool isAmbiguous() const { return chessboard && (squares_x + squares_y) % 2 == 0; }
 };
 
-/// How sharp and how well lit a board is in an image: medians over its corners.
+/// The sharpness and brightness of a board in an image: medians over its corners.
 struct BoardExposure {
-  double black = 0, white = 0;  ///< grey values of 255 of the squares
-  double blur_px = 0;  ///< standard deviation of the blur across edges, including the pixel's own square
+  double black = 0, white = 0;  ///< grey values of the squares, 0 to 255
+  double blur_px = 0;  ///< standard deviation of the blur across edges, including the pixel's own area
 };
 
-/// The inner corners of a board that one image shows, each where it is in the raw, distorted image: pixel
-/// centres at whole numbers, unbiased to a few hundredths of a pixel.
+/// The inner corners of a board that one image shows, in the raw, distorted image. Pixel centres have integer
+/// coordinates; the positions are unbiased to a few hundredths of a pixel.
 struct BoardView {
   std::vector<int> ids;                   ///< ascending
   std::vector<Vec2> pixels;               ///< one per id
-  std::optional<BoardExposure> exposure;  ///< empty if the view was not detected in an image
+  std::optional<BoardExposure> exposure;  ///< empty if the view does not come from an image
 };
 
-/// More squares a side than this are a mistake.
+/// The maximum number of squares per row and column; more are probably a typing error.
 inline constexpr int kMaxSquares = 40;
 
-/// \throw Error (Fault::kUsage) naming the option and what would be right, when no such board can be: fewer
-/// than 3 squares a side (a chessboard: 4) or more than kMaxSquares; sizes that are no length up to 2 m; a
-/// marker as large as its square; a dictionary that OpenCV lacks, or with fewer markers than the board has
-/// squares for.
+/// Checks a board's layout. \throw Error (Fault::kUsage) naming the option and the expected value if a row or
+/// column has fewer than 3 squares (chessboard: 4) or more than kMaxSquares, a size is not in (0, 2] m, a
+/// marker is as large as its square, or the dictionary is unknown or has too few markers.
 void checkBoard(const Board& board);
 
 /// "5 x 3 squares of 54 mm, markers of 40 mm, 4X4_50".
 std::string describe(const Board& board);
-/// A length as it is said to people, to hundredths of a millimetre: "54", "53.85".
+/// A length for display, in millimetres with at most two decimals: "54", "53.85".
 std::string inMillimetres(double length_m);
 
 }  // namespace airclay

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Whether cameras will be able to read a board, and which one they would.
+// Predicts whether a camera can read a board, and proposes one that it can.
 #pragma once
 
 #include <optional>
@@ -9,45 +9,46 @@
 
 namespace airclay {
 
-/// How large things look to a camera: at distance_m before it, facing it, in the middle of its image.
+/// A board at the centre of a camera's image, facing the camera.
 struct BoardSight {
   double focal_px = 0;
-  double distance_m = 0;
+  double distance_m = 0;  ///< from the camera to the board
 };
 
-/// The focal length of an image `width` pixels wide with a horizontal field of view, in pixels.
+/// The focal length, in pixels, of a camera with images `width` pixels wide and this horizontal field of
+/// view.
 double focalOf(int width, double fov_degrees);
 
-/// How many pixels a marker's cell has, from edge to edge; of a chessboard, which has none, a square.
+/// The size of a marker's cell in the image, in pixels; on a chessboard, the size of a square.
 double cellPixels(const Board& board, const BoardSight& sight);
 
-/// What cellPixels() must be at least: 3 for a cell (at 2, on boards held aslant, one marker of four is no
-/// longer read in drawn images, and real ones are worse); 10 for a square.
-double leastCellPixels(const Board& board);
+/// The minimum of cellPixels(): 3 for a cell, 10 for a square. With cells of 2 pixels, one marker in four
+/// cannot be read in synthetic images of tilted boards, and real images are worse.
+double minCellPixels(const Board& board);
 
-/// The side of a marker (of a chessboard: of a square) in pixels, along the direction that the board's tilt
-/// shortens less; the median over all views. Empty without two neighbouring corners.
+/// The side of a marker (on a chessboard: of a square) in the image, in pixels: along the board axis that its
+/// tilt shortens less; the median over all views. Empty if no view has two neighbouring corners.
 std::optional<double> markerPixels(const Board& board, std::span<const BoardView* const> views);
 
-/// What markerPixels() must be at least: leastCellPixels() times the cells of a marker.
-double leastMarkerPixels(const Board& board);
+/// The minimum of markerPixels(): minCellPixels() times the cells along a marker's side.
+double minMarkerPixels(const Board& board);
 
-/// "the board is too small in the image: ...", with the measured and the required size; empty if its markers
-/// have 0.83 of leastMarkerPixels() or more, which suffices for sharp images.
+/// "the board is too small in the image: ...", with the measured and the required size. Empty if `marker_px`
+/// is at least 0.83 minMarkerPixels(), which suffices for sharp images.
 std::string describeSmallBoard(const Board& board, double marker_px);
 
 struct BoardProposal {
   Board board;
   Page page = Page::kA4;
-  double cell_px = 0;
+  double cell_px = 0;  ///< cellPixels() of the board
 };
 
-/// A board that the camera reads: of those that A4 or A3 hold (A3 where `page` is A3; A4 before A3 else), the
-/// one of most squares. None where even the largest squares are too small.
+/// A board that the camera can read, with as many squares as possible. It fits A4 if such a board exists and
+/// `page` is not A3, otherwise A3. Empty if even the largest squares are too small.
 std::optional<BoardProposal> readableBoard(const Board& requested, const BoardSight& sight, Page page);
 
-/// A marker's edge that leaves enough white around it: 0.74 of the square's, in whole millimetres, or tenths
-/// under 10 mm.
-double usualMarker(double square_m);
+/// The edge of a marker that leaves a sufficient white margin in its square, in metres: 0.74 of the square's
+/// edge, rounded to millimetres; to tenths of a millimetre below 10 mm.
+double defaultMarker(double square_m);
 
 }  // namespace airclay

@@ -8,7 +8,7 @@
 namespace airclay {
 
 BoardExposure exposureOf(std::span<const SaddlePoint> corners) {
-  constexpr double kPixelVariance = 1.0 / 12;  // of a pixel's own square
+  constexpr double kPixelVariance = 1.0 / 12;  // of a uniform distribution over one pixel
   std::vector<double> black, white, blur;
   for (const SaddlePoint& corner : corners) {
     black.push_back(corner.mean - corner.contrast / 2);

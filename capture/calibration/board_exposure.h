@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A board's exposure from its fitted corners.
+// The sharpness and brightness of a board, from its fitted corners.
 #pragma once
 
 #include <span>
@@ -9,7 +9,7 @@
 
 namespace airclay {
 
-/// \pre corners is not empty
+/// Medians over the corners. \pre corners is not empty
 BoardExposure exposureOf(std::span<const SaddlePoint> corners);
 
 }  // namespace airclay

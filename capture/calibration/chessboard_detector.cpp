@@ -9,7 +9,7 @@
 namespace airclay {
 namespace {
 
-/// Corners row by row, as OpenCV found them, in any of the ways in which a board can lie.
+/// Corners row by row, in pixels, in any orientation of the board.
 struct Grid {
   int columns, rows;
   std::vector<Vec2> pixels;
@@ -17,56 +17,58 @@ struct Grid {
   const Vec2& at(int column, int row) const {
     return pixels[static_cast<std::size_t>(row * columns + column)];
   }
-  /// How a step of one square moves at a corner.
-  Mat2 slopeAt(int column, int row) const {
+  /// The board's axes at a corner, one per column: pixels per square.
+  Mat2 axesAt(int column, int row) const {
     const int left = std::max(0, column - 1), right = std::min(columns - 1, column + 1);
     const int above = std::max(0, row - 1), below = std::min(rows - 1, row + 1);
-    Mat2 slope;
-    slope.col(0) = (at(right, row) - at(left, row)) / (right - left);
-    slope.col(1) = (at(column, below) - at(column, above)) / (below - above);
-    return slope;
+    Mat2 axes;
+    axes.col(0) = (at(right, row) - at(left, row)) / (right - left);
+    axes.col(1) = (at(column, below) - at(column, above)) / (below - above);
+    return axes;
   }
-  Grid turned() const { return {columns, rows, {pixels.rbegin(), pixels.rend()}}; }
+  Grid rotated180() const { return {columns, rows, {pixels.rbegin(), pixels.rend()}}; }
   Grid mirrored() const {
-    Grid made = *this;
+    Grid result = *this;
     for (int row = 0; row < rows; ++row)
-      std::reverse(made.pixels.begin() + row * columns, made.pixels.begin() + (row + 1) * columns);
-    return made;
+      std::reverse(result.pixels.begin() + row * columns, result.pixels.begin() + (row + 1) * columns);
+    return result;
   }
-  /// Of a square grid: columns become rows, a quarter turn.
-  Grid quarterTurned() const {
-    Grid made{rows, columns, {}};
+  /// Rotates by a quarter turn: columns become rows.
+  Grid rotated90() const {
+    Grid result{rows, columns, {}};
     for (int row = 0; row < columns; ++row)
-      for (int column = 0; column < rows; ++column) made.pixels.push_back(at(row, rows - 1 - column));
-    return made;
+      for (int column = 0; column < rows; ++column) result.pixels.push_back(at(row, rows - 1 - column));
+    return result;
   }
 };
 
-/// The contrast at the grid's first corner: negative where its upper left square is white.
+/// The contrast at the grid's first corner: negative if the upper left square is white. Empty if no corner
+/// fits the image there.
 std::optional<double> contrastAtFirst(const GreyImage& image, const Grid& grid) {
-  const std::optional<SaddlePoint> saddle = findSaddle(image, {grid.at(0, 0), grid.slopeAt(0, 0), true, 1});
+  const std::optional<SaddlePoint> saddle = findSaddle(image, {grid.at(0, 0), grid.axesAt(0, 0), true, 1});
   return saddle ? std::optional(saddle->contrast) : std::nullopt;
 }
 
-/// The way in which the board lies: its upper left square is black, and where that leaves a choice its rows
-/// run to the right.
-std::optional<Grid> asTheBoardLies(const GreyImage& image, Grid grid) {
-  if (grid.slopeAt(0, 0).determinant() < 0) grid = grid.mirrored();
-  std::vector<Grid> ways{grid, grid.turned()};
+/// The grid in the board's orientation: its upper left square is black, and of several such orientations its
+/// rows point right in the image. Empty if the first corner of an orientation does not fit the image.
+std::optional<Grid> inBoardOrientation(const GreyImage& image, Grid grid) {
+  if (grid.axesAt(0, 0).determinant() < 0) grid = grid.mirrored();
+  std::vector<Grid> orientations{grid, grid.rotated180()};
   if (grid.columns == grid.rows) {
-    const Grid quarter = grid.quarterTurned();
-    ways.push_back(quarter);
-    ways.push_back(quarter.turned());
+    const Grid quarter = grid.rotated90();
+    orientations.push_back(quarter);
+    orientations.push_back(quarter.rotated180());
   }
   std::optional<Grid> best;
   double best_right = 0;
-  for (int colour = 0; colour < 2 && !best; ++colour)  // where no way has a black one, any will do
-    for (const Grid& way : ways) {
-      const std::optional<double> contrast = contrastAtFirst(image, way);
+  for (int colour = 0; colour < 2 && !best; ++colour)  // if none has a black square there, use any
+    for (const Grid& orientation : orientations) {
+      const std::optional<double> contrast = contrastAtFirst(image, orientation);
       if (!contrast) return std::nullopt;
       if (colour == 0 && *contrast < 0) continue;
-      const double right = (way.at(way.columns - 1, 0) - way.at(0, 0)).normalized().x();
-      if (!best || right > best_right) best = way, best_right = right;
+      const double right =
+          (orientation.at(orientation.columns - 1, 0) - orientation.at(0, 0)).normalized().x();
+      if (!best || right > best_right) best = orientation, best_right = right;
     }
   return best;
 }
@@ -74,18 +76,18 @@ std::optional<Grid> asTheBoardLies(const GreyImage& image, Grid grid) {
 }  // namespace
 
 std::optional<BoardView> findChessboard(const Board& board, const GreyImage& image) {
-  // OpenCV only reads from it, but has no constant matrix over foreign memory.
+  // cv::Mat has no read-only view; OpenCV only reads these pixels.
   const cv::Mat grey(image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.pixels));
   std::vector<cv::Point2f> corners;
   const cv::Size size(board.cornersX(), board.cornersY());
-  // One threshold for the whole image first, then one for each neighbourhood. Both at once, OpenCV's usual
-  // choice, takes seconds over an image of a board with other numbers of squares.
+  // First with a global threshold, then with an adaptive one. OpenCV's default uses both at once and takes
+  // seconds if the board in the image has different numbers of squares.
   if (!cv::findChessboardCorners(grey, size, corners, cv::CALIB_CB_NORMALIZE_IMAGE) &&
       !cv::findChessboardCorners(grey, size, corners, cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_FAST_CHECK))
     return std::nullopt;
   Grid found{size.width, size.height, {}};
   for (const cv::Point2f& corner : corners) found.pixels.emplace_back(corner.x, corner.y);
-  const std::optional<Grid> grid = asTheBoardLies(image, found);
+  const std::optional<Grid> grid = inBoardOrientation(image, found);
   if (!grid) return std::nullopt;
 
   const std::optional<double> first = contrastAtFirst(image, *grid);
@@ -95,7 +97,7 @@ std::optional<BoardView> findChessboard(const Board& board, const GreyImage& ima
     const int column = id % grid->columns, row = id / grid->columns;
     const bool black_before = board.blackBefore(id) == (first && *first > 0);
     const std::optional<SaddlePoint> corner =
-        findCorner(image, {grid->at(column, row), grid->slopeAt(column, row), black_before, 1});
+        findCorner(image, {grid->at(column, row), grid->axesAt(column, row), black_before, 1});
     if (!corner) return std::nullopt;
     view.ids.push_back(id);
     view.pixels.push_back(corner->pixel);

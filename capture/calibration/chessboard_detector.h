@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Plain chessboards: OpenCV finds the grid of corners, each is then fitted (saddle_point.h).
+// Detects plain chessboards: OpenCV finds the grid of corners, saddle_point.h refines each corner.
 #pragma once
 
 #include <optional>
@@ -9,8 +9,8 @@
 
 namespace airclay {
 
-/// All inner corners of a chessboard, in the order in which it lies; none where one is missing, or another
-/// board is there. \pre board.chessboard
+/// All inner corners of a chessboard, numbered as in board.h. Empty if a corner is missing or the image shows
+/// a different board. \pre board.chessboard
 std::optional<BoardView> findChessboard(const Board& board, const GreyImage& image);
 
 }  // namespace airclay

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: MIT
-// A corner of a chessboard is fitted as what it is: two straight edges that cross, blurred,
+// Fits a model of a chessboard corner, two blurred straight edges that cross,
 //
 //   I(p) = base + slope . (p - c0) - polarity * swing * E1(n1 . (p - c)) E2(n2 . (p - c)),
 //
-// by Levenberg and Marquardt's least squares over the pixels around it. E is an edge from -1 to 1, blurred by
-// a Gaussian, as a pixel gathers it: its square, seen along the edge's normal, is nearly a box as wide as the
-// normal's larger part a; the smaller one b widens the Gaussian,
+// to the surrounding pixels by the Levenberg-Marquardt method. E is an edge from -1 to 1, blurred by a
+// Gaussian and integrated over a pixel. Along the edge's normal, the pixel's area is approximately a box as
+// wide as the normal's larger component a; the smaller component b widens the Gaussian,
 //
 //   E(d) = (G(d + a/2) - G(d - a/2)) / a,   G' = erf(. / (s sqrt 2)),   s^2 = sigma^2 + b^2 / 12.
 //
-// Without the box an upright edge between two pixels would be lost by up to 0.2 px in a sharp image.
-// Compared with cv::cornerSubPix, which asks only that gradients be orthogonal to the way to the corner, the
-// fit uses the edges' whole length, knows which pixels a marker would disturb, and says whether there is a
-// corner at all; in drawn images it is off by 0.012 px where that is off by 0.05 with its best window.
+// Without the box, the error for a vertical edge between two pixels of a sharp image is up to 0.2 px.
+// cv::cornerSubPix only requires gradients to be orthogonal to the direction to the corner. In contrast, this
+// fit uses the full length of the edges, excludes pixels that a marker affects, and detects that there is no
+// corner. In synthetic images its error is 0.012 px; that of cv::cornerSubPix with its best window is 0.05
+// px.
 #include "capture/calibration/saddle_point.h"
 
 #include <algorithm>
@@ -24,27 +25,27 @@
 namespace airclay {
 namespace {
 
-// How far the edges are followed. Longer is more precise in noise; but a lens bends edges, and at the rim of
-// a wide one a line of 20 pixels by some hundredths of a pixel.
-constexpr double kMostReachPx = 9;
-// Squares end where the next corner's edges cross.
-constexpr double kReachInSquares = 0.42;
-// Of a good lens; what the first pass takes for it.
-constexpr double kUsualBlurPx = 0.6;
-constexpr double kLeastBlurPx = 0.1;
-constexpr double kMostBlurInSquares = 1 / 7.0;
-// Beyond this share of the white around a marker, the marker reaches the edges.
-constexpr double kMostBlurInMargin = 0.6;
-// Below this, coding and noise make the image.
-constexpr double kLeastContrast = 12;
-// What is left of the image when the model is taken away, as a share of the contrast: noise of 4 grey
-// values in a contrast of 50 leaves 0.08; what a hand or a marker puts among the squares leaves more than
-// this.
-constexpr double kMostResidue = 0.13;
-constexpr int kFewestPixels = 24, kFewestInQuadrant = 4;
-constexpr int kIterations = 30;
-// A step this short is the last; one ten times as long will do where the blur is at its bound.
-constexpr double kLastStepPx = 1e-3;
+// The radius of the fit. A larger radius reduces the effect of noise; but lenses bend edges: near the border
+// of a wide-angle image, a line of 20 pixels by some hundredths of a pixel.
+constexpr double kMaxRadiusPx = 9;
+// Less than half a square: beyond, the edges of the next corner affect the pixels.
+constexpr double kMaxRadiusInSquares = 0.42;
+// The initial value: the blur of a good lens.
+constexpr double kInitialBlurPx = 0.6;
+constexpr double kMinBlurPx = 0.1;
+constexpr double kMaxBlurInSquares = 1 / 7.0;
+// With a blur above this fraction of the white margin, the marker affects the edges.
+constexpr double kMaxBlurInMargin = 0.6;
+// Below this contrast, compression artefacts and noise dominate.
+constexpr double kMinContrast = 12;
+// The RMS residual as a fraction of the contrast: noise of 4 grey values at a contrast of 50 gives 0.08; a
+// hand or a marker in front of the squares gives more than this.
+constexpr double kMaxResidual = 0.13;
+constexpr int kMinPixels = 24, kMinPixelsPerQuadrant = 4;
+constexpr int kMaxIterations = 30;
+// Converged after a step this short; after one ten times as long if kMaxIterations is reached, which occurs
+// when the blur is at its bound.
+constexpr double kConvergedStepPx = 1e-3;
 
 enum Unknown { kX, kY, kAngle1, kAngle2, kBlur, kBase, kSwing, kSlopeX, kSlopeY, kUnknowns };
 using Unknowns = Eigen::Matrix<double, kUnknowns, 1>;
@@ -59,7 +60,7 @@ Vec2 unit(double angle) {
   return {std::cos(angle), std::sin(angle)};
 }
 
-/// E of one edge.
+/// E(d) of one edge, for the distance d from it.
 class Edge {
  public:
   Edge(const Vec2& normal, double blur_px)
@@ -87,64 +88,64 @@ class Edge {
 class SaddleFit {
  public:
   SaddleFit(const GreyImage& image, const SaddleGuess& guess)
-      : image_(image), guess_(guess), square_px_(shortestSide(guess.pixels_from_squares)) {
+      : image_(image), guess_(guess), square_px_(squareHeight(guess.pixels_from_squares)) {
     const Mat2& axes = guess.pixels_from_squares;
-    // Edge 1 is x = 0 and runs along y; its normal points to greater x. Edge 2 alike.
+    // Edge 1 is the board's y axis, and its normal points towards +x. Edge 2 is the x axis.
     const double side = axes.determinant() > 0 ? 1 : -1;
     const Vec2 normal1 = side * Vec2(axes(1, 1), -axes(0, 1)), normal2 = side * Vec2(-axes(1, 0), axes(0, 0));
     unknowns_ << 0, 0, std::atan2(normal1.y(), normal1.x()), std::atan2(normal2.y(), normal2.x()),
-        kUsualBlurPx, 0, 0, 0, 0;
+        kInitialBlurPx, 0, 0, 0, 0;
   }
 
   std::optional<SaddlePoint> run() {
-    // The second pass knows better which pixels to look at.
+    // The second pass selects the pixels by the position and blur that the first pass found.
     for (int pass = 0; pass < 2; ++pass)
-      if (!collect() || (pass == 0 && !startGreys()) || !iterate()) return std::nullopt;
+      if (!selectSamples() || (pass == 0 && !initializeGreys()) || !iterate()) return std::nullopt;
     const double contrast = 2 * unknowns_[kSwing], blur = unknowns_[kBlur];
-    const double most_blur = std::min(kMostBlurInSquares, kMostBlurInMargin * guess_.white_margin);
-    const bool sees_corner =
-        std::abs(contrast) >= kLeastContrast &&
-        std::sqrt(cost_ / double(samples_.size())) <= kMostResidue * std::abs(contrast) &&
-        blur <= most_blur * square_px_ && crossesWell();
-    if (!sees_corner) return std::nullopt;
+    const double max_blur = std::min(kMaxBlurInSquares, kMaxBlurInMargin * guess_.white_margin);
+    const bool is_corner = std::abs(contrast) >= kMinContrast &&
+                           std::sqrt(cost_ / double(samples_.size())) <= kMaxResidual * std::abs(contrast) &&
+                           blur <= max_blur * square_px_ && edgesCross();
+    if (!is_corner) return std::nullopt;
     return SaddlePoint{guess_.pixel + unknowns_.head<2>(), blur, unknowns_[kBase], contrast};
   }
 
  private:
-  /// The length of the shorter axis, or what the axes' slant makes of it: how wide a square looks.
-  static double shortestSide(const Mat2& axes) {
+  /// The smaller height of the parallelogram that a square becomes in the image, pixels.
+  static double squareHeight(const Mat2& axes) {
     return std::abs(axes.determinant()) / std::max(axes.col(0).norm(), axes.col(1).norm());
   }
 
-  bool crossesWell() const {
+  bool edgesCross() const {
     return std::abs(std::sin(unknowns_[kAngle1] - unknowns_[kAngle2])) > 0.2;  // 12 degrees
   }
 
-  /// Which pixels take part: near the crossing, and not where a marker lies or shines in.
-  bool collect() {
+  /// Selects the pixels of the fit: near the corner, and not affected by a marker. False if there are too
+  /// few.
+  bool selectSamples() {
     samples_.clear();
     const Mat2 squares_from_pixels = guess_.pixels_from_squares.inverse();
     const Vec2 center = guess_.pixel + unknowns_.head<2>();
     const double spread_px = 1.5 * std::hypot(unknowns_[kBlur], 0.29);
     const double margin = guess_.white_margin - spread_px / square_px_;
-    const int reach = int(std::ceil(kMostReachPx));
+    const int reach = int(std::ceil(kMaxRadiusPx));
     std::array<int, 4> in_quadrant{};
     for (int y = int(std::lround(center.y())) - reach; y <= int(std::lround(center.y())) + reach; ++y)
       for (int x = int(std::lround(center.x())) - reach; x <= int(std::lround(center.x())) + reach; ++x) {
         if (x < 0 || y < 0 || x >= image_.width || y >= image_.height) continue;
         const Vec2 offset = Vec2(x, y) - center, in_squares = squares_from_pixels * offset;
-        if (offset.norm() > kMostReachPx || in_squares.cwiseAbs().maxCoeff() > kReachInSquares) continue;
+        if (offset.norm() > kMaxRadiusPx || in_squares.cwiseAbs().maxCoeff() > kMaxRadiusInSquares) continue;
         const bool is_black = (in_squares.x() * in_squares.y() > 0) == guess_.black_before;
         if (!is_black && in_squares.cwiseAbs().minCoeff() > margin) continue;
         samples_.push_back({Vec2(x, y) - guess_.pixel, image_.at(x, y)});
         ++in_quadrant[size_t(2 * (in_squares.y() > 0) + (in_squares.x() > 0))];
       }
-    if (samples_.size() < kFewestPixels) return false;
-    return *std::min_element(in_quadrant.begin(), in_quadrant.end()) >= kFewestInQuadrant;
+    if (samples_.size() < kMinPixels) return false;
+    return *std::min_element(in_quadrant.begin(), in_quadrant.end()) >= kMinPixelsPerQuadrant;
   }
 
-  /// Base and swing from what is white and what is black under the guess.
-  bool startGreys() {
+  /// Initializes base and swing from the mean grey values of the black and white squares of the guess.
+  bool initializeGreys() {
     double black = 0, white = 0, black_count = 0, white_count = 0;
     for (const Sample& sample : samples_) {
       const double product = signedProduct(sample);
@@ -164,7 +165,7 @@ class SaddleFit {
     return guess_.black_before ? -product : product;
   }
 
-  /// The sum of squared residuals, and with `normal` and `gradient` its normal equations.
+  /// The sum of squared residuals; also computes the normal equations if `normal` is not null.
   double evaluate(const Unknowns& u, Normal* normal, Unknowns* gradient) const {
     const Vec2 normal1 = unit(u[kAngle1]), normal2 = unit(u[kAngle2]);
     const Vec2 along1(-normal1.y(), normal1.x()), along2(-normal2.y(), normal2.x());
@@ -197,40 +198,40 @@ class SaddleFit {
   }
 
   bool isNearGuess(const Unknowns& u) const {
-    // A guess from a marker in a noisy image is off by a pixel; far from it lies another crossing.
+    // In a noisy image, a guess from a marker has an error of about a pixel. Farther away is another corner.
     return u.head<2>().norm() <= std::max(1.5, 0.15 * square_px_);
   }
 
   bool iterate() {
-    double damping = 1e-3, last_step_px = kMostReachPx;
+    double damping = 1e-3, last_step_px = kMaxRadiusPx;
     Normal normal;
     Unknowns gradient;
     cost_ = evaluate(unknowns_, &normal, &gradient);
-    for (int i = 0; i < kIterations; ++i) {
+    for (int i = 0; i < kMaxIterations; ++i) {
       Normal damped = normal.selfadjointView<Eigen::Lower>();
       damped.diagonal() *= 1 + damping;
       damped.diagonal().array() += 1e-9;
       const Unknowns step = damped.ldlt().solve(gradient);
       Unknowns next = unknowns_ + step;
-      next[kBlur] = std::clamp(next[kBlur], kLeastBlurPx, kMostReachPx);
+      next[kBlur] = std::clamp(next[kBlur], kMinBlurPx, kMaxRadiusPx);
       const bool is_possible = next.allFinite() && isNearGuess(next);
       const double next_cost = is_possible ? evaluate(next, nullptr, nullptr) : cost_ + 1;
       if (!(next_cost <= cost_)) {
         last_step_px = step.head<2>().norm();
-        if (last_step_px < kLastStepPx) return true;
+        if (last_step_px < kConvergedStepPx) return true;
         damping *= 10;
         continue;
       }
       unknowns_ = next;
       last_step_px = step.head<2>().norm();
-      if (last_step_px < kLastStepPx) {
+      if (last_step_px < kConvergedStepPx) {
         cost_ = next_cost;
         return true;
       }
       damping = std::max(damping / 10, 1e-7);
       cost_ = evaluate(unknowns_, &normal, &gradient);
     }
-    return last_step_px < 10 * kLastStepPx;
+    return last_step_px < 10 * kConvergedStepPx;
   }
 
   const GreyImage& image_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where two edges of a chessboard cross in an image, to a few hundredths of a pixel.
+// Locates a chessboard corner in an image to a few hundredths of a pixel.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@ namespace airclay {
 
 using Mat2 = Eigen::Matrix2d;
 
-/// 8 bits a pixel, rows from the top, tightly packed.
+/// A view of an image: 8 bits per pixel, rows from the top without padding.
 struct GreyImage {
   int width = 0, height = 0;  ///< pixels
   const std::uint8_t* pixels = nullptr;
@@ -19,29 +19,31 @@ struct GreyImage {
   double at(int x, int y) const { return pixels[std::ptrdiff_t(y) * width + x]; }
 };
 
-/// What is known of a crossing before it is looked at.
+/// The initial estimate of a corner.
 struct SaddleGuess {
   Vec2 pixel = Vec2::Zero();
-  /// Of the board's axes about the crossing: how a step of one square moves in the image.
+  /// The board's axes at the corner, one per column: pixels per square.
   Mat2 pixels_from_squares = Mat2::Identity();
-  /// Whether the squares before it and behind it on both axes are the black ones; else the other two.
+  /// Whether the two squares on the same side of both axes (upper left and lower right) are black; otherwise
+  /// the other two are.
   bool black_before = true;
-  /// How far the white squares are white, from their edges inwards; then comes a marker. In squares.
+  /// The width of the white margin between a square's edge and its marker, in squares.
   double white_margin = 1;
 };
 
+/// A fitted corner.
 struct SaddlePoint {
   Vec2 pixel = Vec2::Zero();
-  double blur_px = 0;   ///< sigma of the edges
+  double blur_px = 0;   ///< standard deviation of the blur across edges
   double mean = 0;      ///< of black and white, grey values
-  double contrast = 0;  ///< white less black, grey values; negative where the black squares are the others
+  double contrast = 0;  ///< white - black, grey values; negative if the other two squares are black
 };
 
-/// The crossing near the guess, or none where nothing of that form is there: too far off, blurred beyond a
-/// seventh of a square, too little contrast for what else is in its neighbourhood, or cut off by the
+/// Fits a corner near the guess. Empty if the image shows none there: it is too far from the guess, blurred
+/// by more than a seventh of a square, low in contrast compared with the fit's residual, or cut off by the
 /// image's edge.
 std::optional<SaddlePoint> findSaddle(const GreyImage& image, const SaddleGuess& guess);
-/// The same if the black squares are those that the guess says; otherwise none.
+/// Like findSaddle(), but empty if the black squares are not those of the guess.
 std::optional<SaddlePoint> findCorner(const GreyImage& image, const SaddleGuess& guess);
 
 }  // namespace airclay

@@ -360,8 +360,8 @@ TEST(BoardAdvice, CountsPixelsPerCell) {
   // 40 mm / 6 cells * 560 px / 1.1 m.
   EXPECT_NEAR(cellPixels(Board(), {560, 1.1}), 3.394, 1e-3);
   EXPECT_NEAR(cellPixels(chessboard(10, 7), {560, 0.5}), 28, 1e-9);
-  EXPECT_EQ(usualMarker(0.054), 0.040);
-  EXPECT_EQ(usualMarker(0.055), 0.041);
+  EXPECT_EQ(defaultMarker(0.054), 0.040);
+  EXPECT_EQ(defaultMarker(0.055), 0.041);
 }
 
 TEST(BoardAdvice, ProposesReadableBoardThatFits) {
