@@ -146,7 +146,7 @@ void addRecalibrate(CLI::App& program, int&) {
   CLI::App* command =
       program.add_subcommand("recalibrate", "correct a rig whose cameras were moved, with a moving board");
   const auto options = std::make_shared<RecalibrateOptions>();
-  options->required = RequiredViews::forPlaces();
+  options->required = RequiredViews::forPoses();
   command
       ->add_option(
           "RIG", options->rig,

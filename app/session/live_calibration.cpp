@@ -77,10 +77,11 @@ void LiveCalibration::processCommands() {
     state_.fault.clear();
   }
   if (world_requested_.exchange(false)) {
-    const std::optional<int> world = collector_.keepForWorld();
+    const std::optional<int> world = collector_.selectForWorld();
     if (world) world_ = world;
     const std::lock_guard lock(mutex_);
-    state_.fault = world ? "" : "no camera sees the board that is to be the world; lay it where one does";
+    state_.fault =
+        world ? "" : "no camera sees the board that is to define the world; place it where one does";
   }
   if (finish_requested_.exchange(false)) makeRig();
 }
@@ -110,10 +111,10 @@ void LiveCalibration::publish(std::shared_ptr<const LiveSet> set) {
     }
     state_.cameras = collector_.cameras();
     state_.status = cameras_.status();
-    state_.share = collector_.share();
+    state_.share = collector_.progress();
     state_.enough = collector_.enough();
     state_.advice = collector_.advice();
-    state_.kept_sets = collector_.keptSets();
+    state_.kept_sets = collector_.selectedSets();
     state_.world = world_;
     state_.ended = cameras_.ended();
   }

@@ -82,10 +82,10 @@ class CalibrationWindow {
     const auto [text, color] = describeState(camera, state_.status[index]);
     shown_.drawLabel(index, {camera.name,
                              std::to_string(camera.views) + " views, " + std::to_string(camera.shared_views) +
-                                 " shared, " + fixed(100 * camera.coverage.share(), 0) + " % covered",
+                                 " shared, " + fixed(100 * camera.coverage.fraction(), 0) + " % covered",
                              text, color});
-    list.AddRectFilled({left, bottom}, {left + float(camera.share * place.width), bottom + 0.25f * em},
-                       camera.share >= 1 ? theme::kGood : theme::kClay);
+    list.AddRectFilled({left, bottom}, {left + float(camera.progress * place.width), bottom + 0.25f * em},
+                       camera.progress >= 1 ? theme::kGood : theme::kClay);
   }
 
   static std::pair<std::string, ImU32> describeState(const CollectedCamera& camera,
@@ -94,11 +94,11 @@ class CalibrationWindow {
       return {std::string(nameOf(status.state)) + (status.fault.empty() ? "" : ": " + oneLine(status.fault)),
               theme::kBad};
     if (!camera.seen) return {"Board not visible", theme::kFaint};
-    const std::string fault = camera.fault();
+    const std::string problem = camera.problem();
     const std::string blur = camera.light ? "blur " + fixed(camera.light->blur_px, 1) + " px, " +
                                                 "white at " + fixed(camera.light->white, 0) + " of 255"
                                           : "";
-    if (!fault.empty()) return {fault + ": " + blur, theme::kBad};
+    if (!problem.empty()) return {problem + ": " + blur, theme::kBad};
     return {"Sharp, well lit: " + blur, theme::kGood};
   }
 

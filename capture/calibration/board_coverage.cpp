@@ -18,7 +18,7 @@ void BoardCoverage::add(const Vec2& pixel) {
   cells_[static_cast<std::size_t>(y * kColumns + x)] = 1;
 }
 
-double BoardCoverage::share() const {
+double BoardCoverage::fraction() const {
   return static_cast<double>(std::count(cells_.begin(), cells_.end(), 1)) /
          static_cast<double>(cells_.size());
 }

@@ -25,7 +25,7 @@ class BoardCoverage {
     return cells_[static_cast<std::size_t>(row * kColumns + column)];
   }
   /// The fraction of covered cells.
-  double share() const;
+  double fraction() const;
   /// The sides of the image, two cells wide, that are less than a third covered: "left, top".
   std::string emptySides() const;
 

@@ -1,8 +1,7 @@
-// SPDX-License-Identifier: MIT
-// A ChArUco board: OpenCV finds the markers; what they say of each other's places decides which of them are
-// this board's; each corner next to one is then looked for where the marker says, and fitted
-// (saddle_point.h). Chessboards: chessboard_detector.h. OpenCV 4.6's own corners of ChArUco boards
-// (interpolateCornersCharuco) are half a pixel too far right and down, and are not used.
+// SPDX-License-Identifier: MIT Detects ChArUco boards in three steps. OpenCV detects markers. Markers belong
+// to the board if they predict each other's positions. Each marker predicts the corners of its square, which
+// saddle_point.h then refines. Chessboards: chessboard_detector.h. interpolateCornersCharuco() of OpenCV 4.6
+// is not used because its corners are half a pixel too far right and down.
 #include "capture/calibration/board_detector.h"
 
 #include <algorithm>
@@ -22,16 +21,16 @@
 namespace airclay {
 namespace {
 
-// Two markers agree when each is where the other expects it, to this share of a square: a marker of another
-// board would be off by a whole one. Corners of a marker are known to about half a pixel, and a neighbour is
-// two markers away.
+// Two markers agree if each is within this fraction of a square of the position that the other predicts. The
+// error of a marker of another board is at least one square. A marker's corners are known to about half a
+// pixel, and its neighbour's distance is twice its size.
 constexpr double kAgreement = 0.4;
 
-// Of the markers that must be in the image, as corners beside them are, this share must have been read. Two
-// markers of a mirrored board can be read as two of this one, and agree.
-constexpr double kLeastRead = 0.35;
+// At least this fraction of the markers next to detected corners must be detected, because two markers of a
+// mirrored board can be read as markers of this board and agree.
+constexpr double kMinDetected = 0.35;
 
-/// From squares of the board to pixels.
+/// A homography from the board's plane, in squares, to pixels.
 class PlaneToImage {
  public:
   explicit PlaneToImage(const cv::Matx33d& matrix) {
@@ -40,7 +39,8 @@ class PlaneToImage {
   }
 
   Vec2 at(const Vec2& squares) const { return (matrix_ * squares.homogeneous()).hnormalized(); }
-  Mat2 slopeAt(const Vec2& squares) const {
+  /// The derivative, pixels per square.
+  Mat2 derivativeAt(const Vec2& squares) const {
     const Vec3 h = matrix_ * squares.homogeneous();
     return (matrix_.topLeftCorner<2, 2>() - h.hnormalized() * matrix_.block<1, 2>(2, 0)) / h.z();
   }
@@ -49,28 +49,28 @@ class PlaneToImage {
   Mat3 matrix_;
 };
 
-struct SeenMarker {
+struct DetectedMarker {
   int id;
   Vec2 center;  ///< squares
-  Vec2 pixel;   ///< of its centre
+  Vec2 pixel;   ///< the centre in the image
   std::vector<cv::Point2f> board_corners, pixel_corners;
   PlaneToImage plane;
 };
 
-/// Of a set of markers that agree with each other, by chains of neighbours: its number for each.
-std::vector<int> groupsOf(const std::vector<SeenMarker>& markers) {
+/// Groups neighbouring markers that agree; returns each marker's group number.
+std::vector<int> groupsOf(const std::vector<DetectedMarker>& markers) {
   std::vector<int> group(markers.size());
   for (std::size_t i = 0; i < group.size(); ++i) group[i] = static_cast<int>(i);
-  const auto expects = [](const SeenMarker& a, const SeenMarker& b) {
-    const double square_px = std::sqrt(std::abs(a.plane.slopeAt(a.center).determinant()));
+  const auto predicts = [](const DetectedMarker& a, const DetectedMarker& b) {
+    const double square_px = std::sqrt(std::abs(a.plane.derivativeAt(a.center).determinant()));
     return (a.plane.at(b.center) - b.pixel).norm() <= kAgreement * square_px;
   };
   for (std::size_t i = 0; i < markers.size(); ++i)
     for (std::size_t j = 0; j < i; ++j) {
-      const SeenMarker &a = markers[i], &b = markers[j];
-      // Next to each other, cornerwise or with a square between.
+      const DetectedMarker &a = markers[i], &b = markers[j];
+      // Neighbours are diagonally adjacent, or two squares spacing in a row or column.
       if (a.id == b.id || (a.center - b.center).norm() > 2.1 || group[i] == group[j]) continue;
-      if (expects(a, b) && expects(b, a)) std::replace(group.begin(), group.end(), group[i], group[j]);
+      if (predicts(a, b) && predicts(b, a)) std::replace(group.begin(), group.end(), group[i], group[j]);
     }
   return group;
 }
@@ -82,41 +82,43 @@ std::optional<PlaneToImage> planeThrough(const std::vector<cv::Point2f>& from,
   return matrix.empty() ? std::nullopt : std::optional(PlaneToImage(cv::Matx33d(matrix)));
 }
 
-std::optional<PlaneToImage> planeThrough(const std::vector<SeenMarker>& markers) {
+std::optional<PlaneToImage> planeThrough(const std::vector<DetectedMarker>& markers) {
   std::vector<cv::Point2f> from, to;
-  for (const SeenMarker& marker : markers) {
+  for (const DetectedMarker& marker : markers) {
     from.insert(from.end(), marker.board_corners.begin(), marker.board_corners.end());
     to.insert(to.end(), marker.pixel_corners.begin(), marker.pixel_corners.end());
   }
   return planeThrough(from, to);
 }
 
-/// The markers of the largest group, and those apart from it that lie on its plane. None unless two agree.
-std::vector<SeenMarker> thoseOfOneBoard(const std::vector<SeenMarker>& markers) {
+/// The markers of the largest group, and others that fit its homography. Empty if no two markers agree, or the
+/// group has less than half of the markers.
+std::vector<DetectedMarker> markersOfOneBoard(const std::vector<DetectedMarker>& markers) {
   const std::vector<int> groups = groupsOf(markers);
   int largest = -1, size = 1;
   for (const int group : groups) {
     const int count = static_cast<int>(std::count(groups.begin(), groups.end(), group));
     if (count > size) largest = group, size = count;
   }
-  std::vector<SeenMarker> kept;
+  std::vector<DetectedMarker> agreeing;
   for (std::size_t i = 0; i < markers.size(); ++i)
-    if (groups[i] == largest) kept.push_back(markers[i]);
-  if (kept.empty() || 2 * kept.size() < markers.size()) return {};
-  const std::optional<PlaneToImage> plane = planeThrough(kept);
+    if (groups[i] == largest) agreeing.push_back(markers[i]);
+  if (agreeing.empty() || 2 * agreeing.size() < markers.size()) return {};
+  const std::optional<PlaneToImage> plane = planeThrough(agreeing);
   for (std::size_t i = 0; i < markers.size(); ++i) {
-    const SeenMarker& marker = markers[i];
+    const DetectedMarker& marker = markers[i];
     if (groups[i] == largest || !plane) continue;
-    const double square_px = std::sqrt(std::abs(plane->slopeAt(marker.center).determinant()));
-    if ((plane->at(marker.center) - marker.pixel).norm() <= kAgreement * square_px) kept.push_back(marker);
+    const double square_px = std::sqrt(std::abs(plane->derivativeAt(marker.center).determinant()));
+    if ((plane->at(marker.center) - marker.pixel).norm() <= kAgreement * square_px)
+      agreeing.push_back(marker);
   }
-  return kept;
+  return agreeing;
 }
 
-/// By id, in pixels; none where it isn't seen.
+/// By corner id; empty if not detected.
 using Corners = std::vector<std::optional<SaddlePoint>>;
 
-/// Whether four of the corners or more are not all in one line.
+/// Whether there are at least four corners, and not all are collinear.
 bool spansAPlane(const Board& board, const std::vector<int>& ids) {
   if (ids.size() < 4) return false;
   const Vec3 first = board.corner(ids[0]) / board.square_m;
@@ -137,31 +139,31 @@ struct BoardDetector::Parts {
     if (board.chessboard) return;
     dictionary = cv::aruco::getPredefinedDictionary(arucoDictionary(board.dictionary)->opencv_number);
     parameters = cv::aruco::DetectorParameters::create();
-    // Chosen on drawn images of boards with cells of 2 to 5 pixels: together they find up to 1.8 times as
-    // many markers as OpenCV's own numbers. What is read wrongly now and then does not agree with the rest.
+    // Chosen with synthetic images of boards with cells of 2 to 5 pixels: detects up to 1.8 times as many
+    // markers as OpenCV's defaults. The occasional wrong marker does not agree with the others.
     parameters->polygonalApproxAccuracyRate = 0.05;
     parameters->perspectiveRemovePixelPerCell = 8;
     parameters->perspectiveRemoveIgnoredMarginPerCell = 0.25;
     parameters->errorCorrectionRate = 1;
     parameters->maxErroneousBitsInBorderRate = 0.5;
-    // Of two outlines this close, as a share of the way around a marker, OpenCV keeps the outer one. It must
-    // not be taken for the outline of the white square around the marker.
-    const double apart = std::numbers::sqrt2 * (board.square_m - board.marker_m) / 2 / (4 * board.marker_m);
-    parameters->minMarkerDistanceRate = std::min(0.05, 0.4 * apart);
+    // Of two outlines closer than this, as a fraction of a marker's perimeter, OpenCV keeps the outer one.
+    // The outline of the white square around a marker must not replace that of the marker.
+    const double spacing = std::numbers::sqrt2 * (board.square_m - board.marker_m) / 2 / (4 * board.marker_m);
+    parameters->minMarkerDistanceRate = std::min(0.05, 0.4 * spacing);
   }
 
   const Board& board() const { return pattern.board(); }
 
-  std::vector<SeenMarker> findMarkers(const cv::Mat& grey) const;
+  std::vector<DetectedMarker> findMarkers(const cv::Mat& grey) const;
   std::optional<BoardView> findCharuco(const cv::Mat& grey) const;
-  std::optional<SaddleGuess> guessFrom(const std::vector<const SeenMarker*>& markers, int id) const;
+  std::optional<SaddleGuess> guessFrom(const std::vector<const DetectedMarker*>& markers, int id) const;
 
-  void findBesideMarkers(const GreyImage& image, const std::vector<SeenMarker>& found,
-                         Corners& corners) const;
-  void findBesideCorners(const GreyImage& image, Corners& corners) const;
+  void findCornersAtMarkers(const GreyImage& image, const std::vector<DetectedMarker>& found,
+                            Corners& corners) const;
+  void findCornersAtCorners(const GreyImage& image, Corners& corners) const;
 
-  /// Markers of whose squares two corners or more are known.
-  int markersBeside(const Corners& corners) const;
+  /// The number of markers whose squares have at least two detected corners.
+  int markersNextTo(const Corners& corners) const;
 
   Vec2 inSquares(int id) const { return board().corner(id).head<2>() / board().square_m; }
   double whiteMargin() const {
@@ -173,12 +175,12 @@ struct BoardDetector::Parts {
   cv::Ptr<cv::aruco::DetectorParameters> parameters;
 };
 
-std::vector<SeenMarker> BoardDetector::Parts::findMarkers(const cv::Mat& grey) const {
+std::vector<DetectedMarker> BoardDetector::Parts::findMarkers(const cv::Mat& grey) const {
   std::vector<std::vector<cv::Point2f>> corners;
   std::vector<int> ids;
   cv::aruco::detectMarkers(grey, dictionary, corners, ids, parameters);
   const double side = board().marker_m / board().square_m;
-  std::vector<SeenMarker> markers;
+  std::vector<DetectedMarker> markers;
   for (std::size_t i = 0; i < ids.size(); ++i) {
     if (ids[i] >= pattern.markerCount()) continue;
     const Vec2 low = pattern.markerCorner(ids[i]) / board().square_m;
@@ -193,8 +195,8 @@ std::vector<SeenMarker> BoardDetector::Parts::findMarkers(const cv::Mat& grey) c
   return markers;
 }
 
-/// Where the markers beside a corner say that it is.
-std::optional<SaddleGuess> BoardDetector::Parts::guessFrom(const std::vector<const SeenMarker*>& markers,
+/// The mean prediction of a corner by the markers of the squares around it; empty if there are none.
+std::optional<SaddleGuess> BoardDetector::Parts::guessFrom(const std::vector<const DetectedMarker*>& markers,
                                                            int id) const {
   const int column = id % board().cornersX(), row = id / board().cornersX();
   const Vec2 corner(column + 1, row + 1);
@@ -202,10 +204,10 @@ std::optional<SaddleGuess> BoardDetector::Parts::guessFrom(const std::vector<con
   int count = 0;
   for (const auto& [x, y] : {std::pair{0, 0}, {1, 0}, {0, 1}, {1, 1}}) {
     const std::optional<int> marker = pattern.markerIn(column + x, row + y);
-    const SeenMarker* seen = marker ? markers[static_cast<std::size_t>(*marker)] : nullptr;
+    const DetectedMarker* seen = marker ? markers[static_cast<std::size_t>(*marker)] : nullptr;
     if (!seen) continue;
     guess.pixel += seen->plane.at(corner);
-    guess.pixels_from_squares += seen->plane.slopeAt(corner);
+    guess.pixels_from_squares += seen->plane.derivativeAt(corner);
     ++count;
   }
   if (count == 0) return std::nullopt;
@@ -213,18 +215,19 @@ std::optional<SaddleGuess> BoardDetector::Parts::guessFrom(const std::vector<con
   return guess;
 }
 
-void BoardDetector::Parts::findBesideMarkers(const GreyImage& image, const std::vector<SeenMarker>& found,
-                                             Corners& corners) const {
-  std::vector<const SeenMarker*> markers(static_cast<std::size_t>(pattern.markerCount()));
-  for (const SeenMarker& marker : found) markers[static_cast<std::size_t>(marker.id)] = &marker;
+void BoardDetector::Parts::findCornersAtMarkers(const GreyImage& image,
+                                                const std::vector<DetectedMarker>& found,
+                                                Corners& corners) const {
+  std::vector<const DetectedMarker*> markers(static_cast<std::size_t>(pattern.markerCount()));
+  for (const DetectedMarker& marker : found) markers[static_cast<std::size_t>(marker.id)] = &marker;
   for (int id = 0; id < board().cornerCount(); ++id)
     if (const std::optional<SaddleGuess> guess = guessFrom(markers, id))
       corners[static_cast<std::size_t>(id)] = findCorner(image, *guess);
 }
 
-/// Corners whose markers could not be read, next to those that are known: where the plane through the known
-/// ones says, moved as their neighbour is off it.
-void BoardDetector::Parts::findBesideCorners(const GreyImage& image, Corners& corners) const {
+/// Finds corners without markers, outwards from their known neighbours. Predicts each by a homography through
+/// all known corners, plus the neighbour's deviation from it.
+void BoardDetector::Parts::findCornersAtCorners(const GreyImage& image, Corners& corners) const {
   std::vector<cv::Point2f> from, to;
   for (int id = 0; id < board().cornerCount(); ++id)
     if (const std::optional<SaddlePoint>& corner = corners[static_cast<std::size_t>(id)]) {
@@ -232,27 +235,27 @@ void BoardDetector::Parts::findBesideCorners(const GreyImage& image, Corners& co
       to.emplace_back(static_cast<float>(corner->pixel.x()), static_cast<float>(corner->pixel.y()));
     }
   const std::optional<PlaneToImage> plane = planeThrough(from, to);
-  std::vector<int> next;  // corners whose neighbours have not been looked for
+  std::vector<int> next;  // corners whose neighbours have not been searched for
   for (int id = 0; id < board().cornerCount(); ++id)
     if (corners[static_cast<std::size_t>(id)]) next.push_back(id);
   while (plane && !next.empty()) {
     const int known = next.back(), column = known % board().cornersX(), row = known / board().cornersX();
     next.pop_back();
-    const Vec2 off = corners[static_cast<std::size_t>(known)]->pixel - plane->at(inSquares(known));
+    const Vec2 deviation = corners[static_cast<std::size_t>(known)]->pixel - plane->at(inSquares(known));
     for (const auto& [x, y] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
       if (column + x < 0 || column + x >= board().cornersX()) continue;
       if (row + y < 0 || row + y >= board().cornersY()) continue;
       const int id = known + x + y * board().cornersX();
       std::optional<SaddlePoint>& corner = corners[static_cast<std::size_t>(id)];
       if (corner) continue;
-      corner = findCorner(image, {plane->at(inSquares(id)) + off, plane->slopeAt(inSquares(id)),
+      corner = findCorner(image, {plane->at(inSquares(id)) + deviation, plane->derivativeAt(inSquares(id)),
                                   board().blackBefore(id), whiteMargin()});
       if (corner) next.push_back(id);
     }
   }
 }
 
-int BoardDetector::Parts::markersBeside(const Corners& corners) const {
+int BoardDetector::Parts::markersNextTo(const Corners& corners) const {
   int count = 0;
   for (int row = 0; row < board().squares_y; ++row)
     for (int column = 0; column < board().squares_x; ++column) {
@@ -271,12 +274,12 @@ int BoardDetector::Parts::markersBeside(const Corners& corners) const {
 std::optional<BoardView> BoardDetector::Parts::findCharuco(const cv::Mat& grey) const {
   const GreyImage image{grey.cols, grey.rows, grey.data};
   Corners corners(static_cast<std::size_t>(board().cornerCount()));
-  const std::vector<SeenMarker> found = thoseOfOneBoard(findMarkers(grey));
-  findBesideMarkers(image, found, corners);
-  findBesideCorners(image, corners);
-  std::set<int> read;  // the same one may have been found twice
-  for (const SeenMarker& marker : found) read.insert(marker.id);
-  if (static_cast<double>(read.size()) < kLeastRead * markersBeside(corners)) return std::nullopt;
+  const std::vector<DetectedMarker> found = markersOfOneBoard(findMarkers(grey));
+  findCornersAtMarkers(image, found, corners);
+  findCornersAtCorners(image, corners);
+  std::set<int> read;  // OpenCV may detect the same marker twice
+  for (const DetectedMarker& marker : found) read.insert(marker.id);
+  if (static_cast<double>(read.size()) < kMinDetected * markersNextTo(corners)) return std::nullopt;
   BoardView view;
   std::vector<SaddlePoint> found_corners;
   for (std::size_t id = 0; id < corners.size(); ++id) {
@@ -299,14 +302,15 @@ const Board& BoardDetector::board() const {
   return parts_->board();
 }
 
-std::optional<BoardView> BoardDetector::find(ImageSize size, PixelFormat form,
+std::optional<BoardView> BoardDetector::find(ImageSize size, PixelFormat format,
                                              std::span<const std::uint8_t> pixels) const {
-  const std::size_t expected = std::size_t(size.width) * std::size_t(size.height) * std::size_t(form);
+  const std::size_t expected = std::size_t(size.width) * std::size_t(size.height) * std::size_t(format);
   if (size.width < 1 || size.height < 1 || pixels.size() != expected)
     throw Error("an image of " + std::to_string(size.width) + " x " + std::to_string(size.height) +
-                " pixels was given " + std::to_string(pixels.size()) + " bytes");
-  const bool is_grey = form == PixelFormat::kGrey8;
-  // OpenCV only reads from it, but has no constant matrix over foreign memory.
+                " pixels has " + std::to_string(pixels.size()) + " bytes; expected " +
+                std::to_string(expected));
+  const bool is_grey = format == PixelFormat::kGrey8;
+  // cv::Mat has no read-only view; OpenCV only reads these pixels.
   cv::Mat grey(size.height, size.width, is_grey ? CV_8UC1 : CV_8UC3,
                const_cast<std::uint8_t*>(pixels.data()));
   if (!is_grey) {
@@ -315,9 +319,9 @@ std::optional<BoardView> BoardDetector::find(ImageSize size, PixelFormat form,
     grey = converted;
   }
   if (board().inverted) {
-    cv::Mat exchanged;
-    cv::bitwise_not(grey, exchanged);
-    grey = exchanged;
+    cv::Mat inverted;
+    cv::bitwise_not(grey, inverted);
+    grey = inverted;
   }
   if (board().chessboard) return findChessboard(board(), {grey.cols, grey.rows, grey.data});
   std::optional<BoardView> view = parts_->findCharuco(grey);

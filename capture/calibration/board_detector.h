@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Finds a calibration board in an image, its inner corners to a few hundredths of a pixel.
+// Detects a calibration board in an image, and locates its inner corners to a few hundredths of a pixel.
 #pragma once
 
 #include <memory>
@@ -11,7 +11,7 @@
 
 namespace airclay {
 
-/// Looks for one board, in as many images as wanted and from any number of threads at once.
+/// Detects one board. find() is thread-safe.
 class BoardDetector {
  public:
   /// \throw Error as checkBoard()
@@ -22,11 +22,12 @@ class BoardDetector {
 
   const Board& board() const;
 
-  /// The board's inner corners that `pixels` (rows from the top, tightly packed) shows well: of a ChArUco
-  /// board at least four in no line; of a chessboard all. A corner that is blurred, hidden, cut off by the
-  /// image's edge or of too little contrast is left out. None where the board is not there, or another one
-  /// is.
-  std::optional<BoardView> find(ImageSize size, PixelFormat form, std::span<const std::uint8_t> pixels) const;
+  /// The board's visible inner corners: of a ChArUco board at least four that are not collinear, of a
+  /// chessboard all. Omits corners that are blurred, hidden, low in contrast, or cut off by the image's edge.
+  /// Empty if the image does not show this board. `pixels`: rows from the top without padding. \throw Error
+  /// if `pixels` does not have the size of such an image
+  std::optional<BoardView> find(ImageSize size, PixelFormat format,
+                                std::span<const std::uint8_t> pixels) const;
 
  private:
   struct Parts;

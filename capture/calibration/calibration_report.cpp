@@ -100,7 +100,7 @@ CameraQuality qualityOf(const Bundle& bundle, int camera, Calibration& calibrati
     }
   }
   if (quality.corners > 0) quality.rms_px = std::sqrt(sum / quality.corners);
-  quality.coverage = coverage.share();
+  quality.coverage = coverage.fraction();
   quality.bare_sides = coverage.emptySides();
   return quality;
 }

@@ -103,7 +103,7 @@ TEST(BoardCollector, KeepsARestingBoardOnce) {
   const Pose there = stage.before(0, Vec3::Zero(), Vec3(0.04, 0.02, 0));
   EXPECT_FALSE(collector.add(stage.set(there, 3.0 / 30)));
   EXPECT_TRUE(collector.add(stage.set(there, 4.0 / 30)));
-  EXPECT_EQ(collector.keptSets(), 2);
+  EXPECT_EQ(collector.selectedSets(), 2);
   EXPECT_EQ(collector.cameras()[0].views, 2);
   EXPECT_EQ(collector.views()[0].views.size(), 2u);
   const BoardView& view = collector.views()[0].views.begin()->second;
@@ -111,9 +111,9 @@ TEST(BoardCollector, KeepsARestingBoardOnce) {
   ASSERT_EQ(view.ids, truth.ids);
   for (std::size_t i = 0; i < view.ids.size(); ++i) EXPECT_LT((view.pixels[i] - truth.pixels[i]).norm(), 0.1);
   collector.clear();
-  EXPECT_EQ(collector.keptSets(), 0);
+  EXPECT_EQ(collector.selectedSets(), 0);
   EXPECT_TRUE(collector.views()[0].views.empty());
-  EXPECT_EQ(collector.cameras()[0].coverage.share(), 0);
+  EXPECT_EQ(collector.cameras()[0].coverage.fraction(), 0);
 }
 
 TEST(BoardCollector, UnsynchronizedCamerasNeedAStillerBoard) {
@@ -144,7 +144,7 @@ TEST(BoardCollector, AdviceNamesMissingViews) {
     for (int i = 0; i < 2; ++i) collector.add(stage.set(pose, time_s += 1.0 / 30, shot));
   };
   collector.add(empty);
-  EXPECT_EQ(collector.advice(), "no camera sees the board; hold it into the cube");
+  EXPECT_EQ(collector.advice(), "no camera sees the board; hold it in the workspace");
   BoardShot dark;
   dark.black = 5;
   dark.white = 60;
@@ -161,18 +161,18 @@ TEST(BoardCollector, AdviceNamesMissingViews) {
     const Vec3 turn(0.5 * std::sin(a), 0.5 * std::cos(b), 0.3 * std::sin(b));
     const Vec3 place(0.16 * std::sin(b), 0.12 * std::cos(a), 0.1 * std::sin(0.5 * a));
     show(stage.before(i % 2, turn, place));
-    EXPECT_GE(collector.share(), last) << "progress decreases";
-    last = collector.share();
+    EXPECT_GE(collector.progress(), last) << "progress decreases";
+    last = collector.progress();
     advice.insert(collector.advice());
   }
   EXPECT_TRUE(collector.enough()) << collector.advice();
-  EXPECT_EQ(collector.share(), 1);
-  EXPECT_EQ(collector.advice(), "that is enough");
+  EXPECT_EQ(collector.progress(), 1);
+  EXPECT_EQ(collector.advice(), "enough views");
   EXPECT_GE(advice.size(), 2u) << "the advice never changes";
   for (const CollectedCamera& camera : collector.cameras()) {
     EXPECT_GE(camera.views, kFewViews);
     EXPECT_GE(camera.shared_views, kFewShared);
-    EXPECT_GE(camera.coverage.share(), kPoorCoverage);
+    EXPECT_GE(camera.coverage.fraction(), kPoorCoverage);
   }
   const Calibration found = calibrate(stage.board, collector.views());
   EXPECT_LT(found.rms_px, 0.1);
@@ -181,13 +181,13 @@ TEST(BoardCollector, AdviceNamesMissingViews) {
 TEST(BoardCollector, KeepsTheWorldBoardEvenIfRedundant) {
   const Stage stage;
   BoardCollector collector = stage.collector();
-  EXPECT_FALSE(collector.keepForWorld());
+  EXPECT_FALSE(collector.selectForWorld());
   collector.add(stage.set(stage.before(0), 0));
-  const auto number = collector.keepForWorld();
+  const auto number = collector.selectForWorld();
   ASSERT_TRUE(number);
   EXPECT_EQ(collector.views()[0].views.count(*number), 1u);
-  EXPECT_EQ(collector.keepForWorld(), number);
-  EXPECT_EQ(collector.keptSets(), 1) << "once";
+  EXPECT_EQ(collector.selectForWorld(), number);
+  EXPECT_EQ(collector.selectedSets(), 1) << "once";
 }
 
 TEST(BoardCollector, SkipsCamerasWithoutAnImage) {
