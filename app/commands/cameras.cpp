@@ -140,7 +140,7 @@ std::string summary(const SetFigures& figures, const LiveCameras& cameras) {
     return std::to_string(figures.sets) + " sets, " + std::to_string(figures.incomplete) +
            " without some camera, skew " + fixed(1000 * figures.usual(), 1) + " ms (worst " +
            fixed(1000 * figures.worst(), 1) + " of " + fixed(1000 * cameras.maxSkew(), 1) + " allowed)";
-  if (const std::optional<double> skew_s = cameras.refusedSkew())
+  if (const std::optional<double> skew_s = cameras.excessSkew())
     return "no set: the images are " + fixed(1000 * *skew_s, 1) + " ms apart, " +
            fixed(1000 * cameras.maxSkew(), 1) + " are allowed; --max-skew-ms " +
            fixed(1000 * *skew_s + 1, 0) + " accepts them; synchronized cameras would be better";

@@ -119,7 +119,7 @@ std::optional<LiveSet> Recorder::nextComplete() {
   for (const CameraStatus& one : status)
     if (one.state != CameraState::kLive && one.state != CameraState::kLate)
       why_ = "camera \"" + one.name + "\" is " + nameOf(one.state) + " for " + fixed(kAwayS, 0) + " s";
-  if (const std::optional<double> skew_s = cameras_.refusedSkew())
+  if (const std::optional<double> skew_s = cameras_.excessSkew())
     why_ += ": the images are " + fixed(1000 * *skew_s, 1) + " ms apart, and " +
             fixed(1000 * cameras_.maxSkew(), 1) + " are allowed (--max-skew-ms)";
   return std::nullopt;

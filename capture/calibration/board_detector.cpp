@@ -1,7 +1,8 @@
-// SPDX-License-Identifier: MIT Detects ChArUco boards in three steps. OpenCV detects markers. Markers belong
-// to the board if they predict each other's positions. Each marker predicts the corners of its square, which
-// saddle_point.h then refines. Chessboards: chessboard_detector.h. interpolateCornersCharuco() of OpenCV 4.6
-// is not used because its corners are half a pixel too far right and down.
+// SPDX-License-Identifier: MIT
+// Detects ChArUco boards in three steps. OpenCV detects markers. Markers belong to the board if they predict
+// each other's positions. Each marker predicts the corners of its square, which saddle_point.h then refines.
+// Chessboards: chessboard_detector.h. interpolateCornersCharuco() of OpenCV 4.6 is not used because its
+// corners are half a pixel too far right and down.
 #include "capture/calibration/board_detector.h"
 
 #include <algorithm>
@@ -91,8 +92,8 @@ std::optional<PlaneToImage> planeThrough(const std::vector<DetectedMarker>& mark
   return planeThrough(from, to);
 }
 
-/// The markers of the largest group, and others that fit its homography. Empty if no two markers agree, or the
-/// group has less than half of the markers.
+/// The markers of the largest group, and others that fit its homography. Empty if no two markers agree, or
+/// the group has less than half of the markers.
 std::vector<DetectedMarker> markersOfOneBoard(const std::vector<DetectedMarker>& markers) {
   const std::vector<int> groups = groupsOf(markers);
   int largest = -1, size = 1;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// One lock guards all that the threads share: frames come a hundred times a second, and what is done under
-// the lock takes microseconds.
+// One mutex guards all data that the threads share. This suffices: there are some hundred frames per second,
+// and each locks it for microseconds.
 #include "capture/cameras/live_cameras.h"
 
 #include <algorithm>
@@ -16,22 +16,24 @@
 namespace airclay {
 namespace {
 
+// The interval of attempts to reopen a lost camera.
 constexpr double kReopenS = 1;
-// Files begin together, once all are open.
+// All files start together, this long after they were opened.
 constexpr double kLeadS = 0.1;
-// How much of a camera's longest lag counts at its next frame (half after two seconds at 30 Hz), and how much
-// later than that a frame may be.
-constexpr double kLagFades = 0.99, kLagMarginS = 0.05;
-// One that lags more is named late, and not waited for.
-constexpr double kMostPatienceS = 5;
-// What waits to be matched, a camera: for sculpting the newest counts; for recording up to a second, so that
-// a disk may stutter. All cameras' images together take no more than so many bytes, if that leaves four
-// each.
-constexpr std::size_t kNewestFrames = 8, kEveryFrames = 30, kLeastFrames = 4;
-constexpr std::size_t kMostBytes = 512u << 20;
-// How long an end waits for reads that block.
+// The decay of a camera's longest lag per frame (to half in two seconds at 30 Hz), and the margin added to
+// it.
+constexpr double kLagDecay = 0.99, kLagMarginS = 0.05;
+// Sets do not wait longer than this for a camera.
+constexpr double kMaxPatienceS = 5;
+// Frames queued per camera: a few for sculpting, which uses the newest; up to a second for recording, because
+// writing to disk can stall. The queues of all cameras are limited to this many bytes, but to no fewer than
+// four frames each.
+constexpr std::size_t kNewestFrames = 8, kEveryFrames = 30, kMinFrames = 4;
+constexpr std::size_t kMaxBytes = 512u << 20;
+// How long the destructor waits for blocked reads.
 constexpr double kEndS = 0.7;
-constexpr double kLookAgainS = 0.02;
+// The interval at which next() updates the cameras' states while it waits.
+constexpr double kUpdateS = 0.02;
 
 std::string describe(ImageSize size) {
   return std::to_string(size.width) + " x " + std::to_string(size.height) + " pixels";
@@ -55,16 +57,16 @@ struct LiveCameras::Shared {
   FrameMatcher matcher;
   std::vector<Feed> feeds;
 
-  // of a camera's thread
+  // Called on a camera's thread, without the lock.
   void run(std::size_t index, std::unique_ptr<CameraSource> source);
   std::unique_ptr<CameraSource> reopen(std::size_t index);
   void readAll(std::size_t index, CameraSource& source);
   void deliver(std::size_t index, LiveImage image, double capture_s);
 
-  // under the lock
+  // Called with the mutex locked.
   void trim(std::size_t index);
   CameraState stateAt(std::size_t index, double now_s) const;
-  void expectWhoLives(double now_s);
+  void updateExpectations(double now_s);
   LiveSet take(const FrameMatcher::Set& match);
   bool isOver(double now_s) const;
 };
@@ -106,8 +108,8 @@ std::unique_ptr<CameraSource> LiveCameras::Shared::reopen(std::size_t index) {
   try {
     source = feed.camera.open();
     if (source->size() != feed.size) {
-      fault = "camera \"" + feed.camera.name + "\" came back with " + describe(source->size()) +
-              "; expected " + describe(feed.size) + " as before";
+      fault = "camera \"" + feed.camera.name + "\" has " + describe(source->size()) +
+              " after reopening; expected " + describe(feed.size) + " as before";
       source.reset();
     }
   } catch (const std::exception& error) {
@@ -136,7 +138,7 @@ void LiveCameras::Shared::readAll(std::size_t index, CameraSource& source) {
     {
       const std::lock_guard lock(mutex);
       if (stopping) return;
-      feeds[index].times = source.times();  // a driver's times may have turned out to be of no use
+      feeds[index].times = source.times();  // may have switched to arrival times
     }
     deliver(index, std::move(image), capture_s);
   }
@@ -154,11 +156,11 @@ void LiveCameras::Shared::deliver(std::size_t index, LiveImage image, double cap
   if (feed.times != TimeOrigin::kArrival && std::isfinite(periods) && periods > 1.5)
     feed.gaps += static_cast<std::uint64_t>(std::lround(periods)) - 1;
   feed.last_capture_s = capture_s;
-  feed.lag_s = std::max(kLagFades * feed.lag_s, now_s - capture_s);
+  feed.lag_s = std::max(kLagDecay * feed.lag_s, now_s - capture_s);
   feed.arrivals_s.push_back(now_s);
   while (now_s - feed.arrivals_s.front() > kRateWindowS) feed.arrivals_s.pop_front();
   const std::uint64_t id = feed.frames++;
-  feed.kept.push_back({id, std::move(image), Clock::now()});
+  feed.queued.push_back({id, std::move(image), Clock::now()});
   matcher.expect(index, !feed.isStuck(now_s));
   matcher.add(index, capture_s, id);
   trim(index);
@@ -166,9 +168,9 @@ void LiveCameras::Shared::deliver(std::size_t index, LiveImage image, double cap
 }
 
 void LiveCameras::Shared::trim(std::size_t index) {
-  std::deque<Feed::Kept>& kept = feeds[index].kept;
+  std::deque<Feed::QueuedImage>& queued = feeds[index].queued;
   const std::uint64_t oldest = matcher.oldestWaiting(index);
-  while (!kept.empty() && kept.front().id < oldest) kept.pop_front();
+  while (!queued.empty() && queued.front().id < oldest) queued.pop_front();
 }
 
 CameraState LiveCameras::Shared::stateAt(std::size_t index, double now_s) const {
@@ -178,21 +180,22 @@ CameraState LiveCameras::Shared::stateAt(std::size_t index, double now_s) const 
   return feeds[index].stateAt(now_s, others_s);
 }
 
-/// Sets wait only for cameras from which something can come, and as long as the slowest of them needs.
-void LiveCameras::Shared::expectWhoLives(double now_s) {
+/// Sets wait only for cameras that can still deliver frames, for as long as the one with the longest lag
+/// needs.
+void LiveCameras::Shared::updateExpectations(double now_s) {
   double longest_lag_s = 0;
   for (std::size_t c = 0; c < feeds.size(); ++c) {
     const CameraState state = stateAt(c, now_s);
-    const bool lives = state == CameraState::kLive || state == CameraState::kLate;
-    // What came before its end is used, in its turn.
-    const bool has_some = sets == LiveOptions::Sets::kEvery || state == CameraState::kEnded
-                              ? !feeds[c].isStuck(now_s) && matcher.waiting(c) > 0
-                              : false;
-    matcher.expect(c, lives || has_some);
+    const bool delivers = state == CameraState::kLive || state == CameraState::kLate;
+    // Frames queued before a camera ended or failed are still used in order.
+    const bool has_queued = sets == LiveOptions::Sets::kEvery || state == CameraState::kEnded
+                                ? !feeds[c].isStuck(now_s) && matcher.waiting(c) > 0
+                                : false;
+    matcher.expect(c, delivers || has_queued);
     trim(c);
-    if (lives) longest_lag_s = std::max(longest_lag_s, feeds[c].lag_s);
+    if (delivers) longest_lag_s = std::max(longest_lag_s, feeds[c].lag_s);
   }
-  matcher.setPatience(std::clamp(longest_lag_s + kLagMarginS, patience_s, kMostPatienceS));
+  matcher.setPatience(std::clamp(longest_lag_s + kLagMarginS, patience_s, kMaxPatienceS));
 }
 
 LiveSet LiveCameras::Shared::take(const FrameMatcher::Set& match) {
@@ -208,25 +211,25 @@ LiveSet LiveCameras::Shared::take(const FrameMatcher::Set& match) {
   for (std::size_t c = 0; c < feeds.size(); ++c) {
     if (!match.ids[c]) continue;
     feeds[c].skew_s = match.times_s[c] - set.time_s;
-    for (Feed::Kept& kept : feeds[c].kept)
-      if (kept.id == *match.ids[c]) {
-        set.images[c] = std::move(kept.image);
-        set.arrived_at = std::max(set.arrived_at, kept.arrived_at);
+    for (Feed::QueuedImage& queued : feeds[c].queued)
+      if (queued.id == *match.ids[c]) {
+        set.images[c] = std::move(queued.image);
+        set.arrived_at = std::max(set.arrived_at, queued.arrived_at);
       }
     trim(c);
   }
   return set;
 }
 
-/// All were files, and nothing that waits can come into a set any more.
+/// Whether all sources are files that have ended, and no queued frame can come into a set.
 bool LiveCameras::Shared::isOver(double now_s) const {
   double last_s = -std::numeric_limits<double>::infinity();
   for (const Feed& feed : feeds) {
     if (feed.camera_problem != CameraState::kEnded) return false;
     last_s = std::max(last_s, feed.last_capture_s);
   }
-  const bool patient = sets == LiveOptions::Sets::kEvery || now_s - last_s <= 2 * patience_s;
-  return matcher.empty() || !patient;
+  const bool may_match = sets == LiveOptions::Sets::kEvery || now_s - last_s <= 2 * patience_s;
+  return matcher.empty() || !may_match;
 }
 
 // -------------------------------------------------------------------------------------------- LiveCameras
@@ -234,7 +237,7 @@ bool LiveCameras::Shared::isOver(double now_s) const {
 LiveCameras::LiveCameras(std::vector<LiveCamera> cameras, const LiveOptions& options) {
   std::vector<std::unique_ptr<CameraSource>> sources;
   double slowest_hz = std::numeric_limits<double>::infinity();
-  std::size_t bytes = 0;  // of a set
+  std::size_t bytes = 0;  // per set
   for (const LiveCamera& camera : cameras) {
     sources.push_back(camera.open());
     slowest_hz = std::min(slowest_hz, sources.back()->rateHz());
@@ -245,7 +248,7 @@ LiveCameras::LiveCameras(std::vector<LiveCamera> cameras, const LiveOptions& opt
   FrameMatcher::Options matching;
   matching.max_skew_s = options.max_skew_s.value_or((every ? 1 : 0.5) / slowest_hz);
   matching.patience_s = options.patience_s.value_or(every ? 0.5 : 0.1);
-  matching.queue_frames = std::clamp(kMostBytes / std::max<std::size_t>(bytes, 1), kLeastFrames,
+  matching.queue_frames = std::clamp(kMaxBytes / std::max<std::size_t>(bytes, 1), kMinFrames,
                                      every ? kEveryFrames : kNewestFrames);
   shared_ = std::make_shared<Shared>(cameras.size(), matching);
   shared_->sets = options.sets;
@@ -293,13 +296,13 @@ std::optional<LiveSet> LiveCameras::next(double wait_s) {
   std::unique_lock lock(shared.mutex);
   for (;;) {
     const double now_s = secondsNow();
-    shared.expectWhoLives(now_s);
+    shared.updateExpectations(now_s);
     const bool every = shared.sets == LiveOptions::Sets::kEvery;
     if (const auto match = every ? shared.matcher.next(now_s) : shared.matcher.newest(now_s))
       return shared.take(*match);
     if (now_s >= until_s || shared.isOver(now_s)) return std::nullopt;
-    // States and patience are matters of time: look now and then, also when no image comes.
-    shared.changed.wait_for(lock, std::chrono::duration<double>(std::min(until_s - now_s, kLookAgainS)));
+    // States and patience also change while no image arrives.
+    shared.changed.wait_for(lock, std::chrono::duration<double>(std::min(until_s - now_s, kUpdateS)));
   }
 }
 
@@ -321,9 +324,9 @@ std::vector<CameraStatus> LiveCameras::status() const {
   return all;
 }
 
-std::optional<double> LiveCameras::refusedSkew() const {
+std::optional<double> LiveCameras::excessSkew() const {
   const std::lock_guard lock(shared_->mutex);
-  return shared_->matcher.refusedSkew();
+  return shared_->matcher.excessSkew();
 }
 
 double LiveCameras::maxSkew() const {
@@ -388,10 +391,10 @@ std::vector<NamedSource> inOrderOf(const Rig& rig, const std::vector<NamedSource
 void checkSizes(const Rig& rig, const LiveCameras& cameras) {
   const std::vector<CameraStatus> all = cameras.status();
   for (std::size_t c = 0; c < all.size() && c < rig.cameras.size(); ++c) {
-    const ImageSize right{rig.cameras[c].width, rig.cameras[c].height};
-    if (all[c].size != right)
-      throw Error("camera \"" + all[c].name + "\" gives " + describe(all[c].size) + "; expected the rig's " +
-                  describe(right));
+    const ImageSize expected{rig.cameras[c].width, rig.cameras[c].height};
+    if (all[c].size != expected)
+      throw Error("camera \"" + all[c].name + "\" has " + describe(all[c].size) + "; expected the rig's " +
+                  describe(expected));
   }
 }
 

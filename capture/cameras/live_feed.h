@@ -14,7 +14,7 @@ inline constexpr double kRateWindowS = 2;
 
 /// One camera's data.
 struct Feed {
-  struct Kept {
+  struct QueuedImage {
     std::uint64_t id;
     LiveImage image;
     Clock::time_point arrived_at;
@@ -27,7 +27,7 @@ struct Feed {
   CameraState camera_problem = CameraState::kLive;  ///< kLost, kReconnecting, kEnded; kLive: none
   bool done = false;                                ///< its thread has ended
   CameraSource* reading = nullptr;                  ///< the source that its thread currently reads from
-  std::deque<Kept> kept;                            ///< images of the frames queued in the matcher
+  std::deque<QueuedImage> queued;                   ///< images of the frames queued in the matcher
   std::uint64_t frames = 0, gaps = 0;
   int opened = 0;
   double opened_s = 0;

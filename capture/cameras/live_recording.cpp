@@ -8,8 +8,8 @@
 namespace airclay {
 namespace {
 
-/// Whoever waits for a set looks up so often, to see whether it is still wanted.
-constexpr double kLookUpS = 0.1;
+// The longest wait for a set, so that the caller can check for cancellation.
+constexpr double kWaitS = 0.1;
 
 }  // namespace
 
@@ -38,7 +38,7 @@ std::optional<Clock::time_point> LiveRecording::capturedAt() const {
 }
 
 bool LiveRecording::readImages(int frame, Buffers bgr) {
-  const std::optional<LiveSet> set = cameras_.next(kLookUpS);
+  const std::optional<LiveSet> set = cameras_.next(kWaitS);
   if (!set || (!set->complete && frame < background_frames_)) return false;
   if (!first_s_) first_s_ = set->time_s;
   time_s_ = set->time_s - *first_s_;
@@ -46,13 +46,14 @@ bool LiveRecording::readImages(int frame, Buffers bgr) {
   missing_cameras_ = 0;
   for (std::size_t c = 0; c < bgr.size(); ++c) {
     const std::vector<std::uint8_t>& image = set->images[c].bgr;
-    const bool there = image.size() == bgr[c].size();  // another size: it was opened again as something else
-    if (there)
+    const bool present =
+        image.size() == bgr[c].size();  // false also if the camera has another size after reopening
+    if (present)
       std::copy(image.begin(), image.end(), bgr[c].begin());
     else
       std::fill(bgr[c].begin(), bgr[c].end(), std::uint8_t(0));
-    if (!there) missing_cameras_ |= 1u << c;
-    camera_times_s_.push_back((there ? set->camera_times_s[c] : set->time_s) - *first_s_);
+    if (!present) missing_cameras_ |= 1u << c;
+    camera_times_s_.push_back((present ? set->camera_times_s[c] : set->time_s) - *first_s_);
   }
   ++taken_;
   return true;
@@ -63,9 +64,9 @@ std::vector<std::string> LiveRecording::cameraProblems() const {
   for (const CameraStatus& camera : cameras_.status())
     if (camera.state != CameraState::kLive && camera.state != CameraState::kEnded)
       lines.push_back(camera.name + ": " + nameOf(camera.state));
-  if (const std::optional<double> skew = cameras_.refusedSkew())
-    lines.push_back("images " + std::to_string(std::lround(1000 * *skew)) +
-                    " ms apart: a larger --max-skew-ms");
+  if (const std::optional<double> skew = cameras_.excessSkew())
+    lines.push_back("images are " + std::to_string(std::lround(1000 * *skew)) +
+                    " ms apart; increase --max-skew-ms");
   return lines;
 }
 

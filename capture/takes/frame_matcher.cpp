@@ -75,7 +75,7 @@ FrameMatcher::Set FrameMatcher::setOf(const Frames& frames) const {
   return set;
 }
 
-FrameMatcher::Frames FrameMatcher::around(double anchor_s) const {
+FrameMatcher::Frames FrameMatcher::framesBefore(double anchor_s) const {
   Frames frames;
   for (const Camera& camera : cameras_) {
     frames.emplace_back();
@@ -85,9 +85,9 @@ FrameMatcher::Frames FrameMatcher::around(double anchor_s) const {
   return frames;
 }
 
-/// What was used, and what is older, is gone; what a camera that is not in the set has before the set's end
-/// can be in none that follows.
-void FrameMatcher::forget(const Frames& used) {
+/// Removes used and older frames. Of a camera that is not in the set, removes the frames that are too old for
+/// any later set.
+void FrameMatcher::discard(const Frames& used) {
   double last_s = -std::numeric_limits<double>::infinity();
   for (const std::optional<Frame>& frame : used)
     if (frame) last_s = std::max(last_s, frame->time_s);
@@ -98,9 +98,9 @@ void FrameMatcher::forget(const Frames& used) {
   }
 }
 
-/// How far apart the best of the waiting frames are, whether that is allowed or not.
-void FrameMatcher::noteRefused() {
-  refused_skew_s_.reset();
+/// Computes the smallest skew above the maximum among matches of all expected cameras.
+void FrameMatcher::updateExcessSkew() {
+  excess_skew_s_.reset();
   for (const Camera& anchor : cameras_)
     for (const Frame& last : anchor.waiting) {
       double first_s = last.time_s;
@@ -113,11 +113,12 @@ void FrameMatcher::noteRefused() {
       }
       const double skew_s = last.time_s - first_s;
       if (all && skew_s > options_.max_skew_s)
-        refused_skew_s_ = std::min(skew_s, refused_skew_s_.value_or(skew_s));
+        excess_skew_s_ = std::min(skew_s, excess_skew_s_.value_or(skew_s));
     }
 }
 
-/// Frames more than half a period apart: the earliest camera's next one would be nearer, and has not come.
+/// Whether a set with this time span could become tighter: it exceeds half a period, and the next frame of
+/// its earliest camera has not arrived.
 bool FrameMatcher::mayBeTighter(double first_s, double last_s) const {
   double period_s = std::numeric_limits<double>::infinity();
   for (const Camera& camera : cameras_) period_s = std::min(period_s, camera.period_s);
@@ -132,67 +133,68 @@ std::optional<FrameMatcher::Set> FrameMatcher::newest(double now_s) {
   for (const Camera& camera : cameras_)
     for (const Frame& frame : camera.waiting) anchors_s.push_back(frame.time_s);
   std::sort(anchors_s.rbegin(), anchors_s.rend());
-  const std::size_t expected = expectedCount(), least = std::min<std::size_t>(2, cameras_.size());
+  const std::size_t expected = expectedCount(), min_count = std::min<std::size_t>(2, cameras_.size());
   for (const bool all : {true, false}) {
     for (const double anchor_s : anchors_s) {
-      const Frames frames = around(anchor_s);
+      const Frames frames = framesBefore(anchor_s);
       const std::size_t count = countOf(frames);
-      if (count < least || (all && count < expected)) continue;
+      if (count < min_count || (all && count < expected)) continue;
       const double first_s = anchor_s - setOf(frames).skew_s;
       const bool waits = now_s - first_s < options_.patience_s;
       if (waits && (!all || mayBeTighter(first_s, anchor_s))) continue;
-      if (all) refused_skew_s_.reset();
-      return give(frames);
+      if (all) excess_skew_s_.reset();
+      return take(frames);
     }
-    if (all) noteRefused();
+    if (all) updateExcessSkew();
   }
   return std::nullopt;
 }
 
 std::optional<FrameMatcher::Set> FrameMatcher::next(double now_s) {
-  const std::size_t least = std::min<std::size_t>(2, cameras_.size());
-  const double allowed_s = options_.max_skew_s;
+  const std::size_t min_count = std::min<std::size_t>(2, cameras_.size());
+  const double max_skew_s = options_.max_skew_s;
   for (;;) {
-    const Heads heads = theHeads();
+    const Heads heads = findHeads();
     if (heads.order.empty()) return std::nullopt;
     const bool waits = now_s - heads.first_s < options_.patience_s;
     if (heads.lacks_one && waits) return std::nullopt;
-    std::size_t leaving = 0;  // of the oldest frames: those that go without the others
-    if (!heads.lacks_one && heads.order.size() >= least) {
+    std::size_t leaving = 0;  // the number of earliest heads to separate from the others; 0: no tighter match
+    if (!heads.lacks_one && heads.order.size() >= min_count) {
       const double skew_s = heads.last_s - heads.first_s;
-      const bool fits = skew_s <= allowed_s;
-      // Would the set be tighter with the next frames of those cameras that are early? Only that much tighter
-      // counts: cameras half a period apart would else lose a frame at each flutter of their times.
-      Later later;
-      if (skew_s > 0.5 * allowed_s) later = laterOf(heads);
-      if (later.unknown && waits) return std::nullopt;
-      const bool better = later.skew_s <= allowed_s && (!fits || later.skew_s < skew_s - 0.5 * allowed_s);
+      const bool fits = skew_s <= max_skew_s;
+      // Prefer the next frames of the early cameras only if they are tighter by half the maximum skew.
+      // Otherwise, cameras half a period apart would lose a frame whenever their times jitter.
+      Advance advance;
+      if (skew_s > 0.5 * max_skew_s) advance = bestAdvance(heads);
+      if (advance.unknown && waits) return std::nullopt;
+      const bool better =
+          advance.skew_s <= max_skew_s && (!fits || advance.skew_s < skew_s - 0.5 * max_skew_s);
       if (fits && !better) {
-        refused_skew_s_.reset();
-        return give(heads.frames);
+        excess_skew_s_.reset();
+        return take(heads.frames);
       }
-      if (better) leaving = later.early;
-      if (!better) refused_skew_s_ = std::min(skew_s, later.skew_s);
+      if (better) leaving = advance.early;
+      if (!better) excess_skew_s_ = std::min(skew_s, advance.skew_s);
     }
-    // Some camera has missed this instant: the set goes without it.
+    // A camera missed this instant: return the set without it.
     Frames together(cameras_.size());
     for (std::size_t i = 0; i < heads.order.size(); ++i) {
       const std::size_t c = heads.order[i];
       const bool leaves = leaving == 0 || i < leaving;
-      if (leaves && heads.frames[c]->time_s <= heads.first_s + allowed_s) together[c] = heads.frames[c];
+      if (leaves && heads.frames[c]->time_s <= heads.first_s + max_skew_s) together[c] = heads.frames[c];
     }
-    if (countOf(together) >= least) return give(together);
+    if (countOf(together) >= min_count) return take(together);
     cameras_[heads.order[0]].waiting.pop_front();
     ++cameras_[heads.order[0]].dropped;
   }
 }
 
-FrameMatcher::Set FrameMatcher::give(const Frames& frames) {
-  forget(frames);
+FrameMatcher::Set FrameMatcher::take(const Frames& frames) {
+  discard(frames);
   return setOf(frames);
 }
 
-FrameMatcher::Heads FrameMatcher::theHeads() const {
+FrameMatcher::Heads FrameMatcher::findHeads() const {
   Heads heads;
   for (std::size_t c = 0; c < cameras_.size(); ++c) {
     const Camera& camera = cameras_[c];
@@ -212,23 +214,23 @@ FrameMatcher::Heads FrameMatcher::theHeads() const {
   return heads;
 }
 
-/// The tightest set that is had by going on to the next frame with the 1, 2, ... earliest cameras.
-FrameMatcher::Later FrameMatcher::laterOf(const Heads& heads) const {
-  Later later;
+/// Tries to replace the heads of the 1, 2, ... earliest cameras by their next frames.
+FrameMatcher::Advance FrameMatcher::bestAdvance(const Heads& heads) const {
+  Advance advance;
   double next_first_s = std::numeric_limits<double>::infinity(), next_last_s = -next_first_s;
   for (std::size_t early = 1; early < heads.order.size(); ++early) {
     const std::deque<Frame>& waiting = cameras_[heads.order[early - 1]].waiting;
     if (waiting.size() < 2) {
-      later.unknown = waiting.front().time_s < heads.last_s - 0.5 * options_.max_skew_s;
-      return later;
+      advance.unknown = waiting.front().time_s < heads.last_s - 0.5 * options_.max_skew_s;
+      return advance;
     }
     next_first_s = std::min(next_first_s, waiting[1].time_s);
     next_last_s = std::max(next_last_s, waiting[1].time_s);
     const double first_s = std::min(next_first_s, heads.frames[heads.order[early]]->time_s);
     const double skew_s = std::max(next_last_s, heads.last_s) - first_s;
-    if (skew_s < later.skew_s) later.skew_s = skew_s, later.early = early;
+    if (skew_s < advance.skew_s) advance.skew_s = skew_s, advance.early = early;
   }
-  return later;
+  return advance;
 }
 
 }  // namespace airclay

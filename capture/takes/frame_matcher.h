@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Puts the frames of several cameras together by the times at which they were taken. Knows no images,
-// threads or clocks: who feeds it times can tell exactly what comes out.
+// Matches the frames of several cameras by capture time. Uses only times and ids, no images, threads or
+// clocks, so its results are deterministic.
 //
-// A *set* is one frame of each camera whose times differ by at most the allowed skew. A camera that is
-// expected may be waited for, up to the patience; after that the set is given without it, marked incomplete,
-// if two cameras at least are in it (one alone carves nothing). Cameras that are not expected (frozen, lost)
-// are never waited for, and not part of sets.
+// A *set* has one frame per camera; their times differ by at most the maximum skew. A set waits for late
+// cameras up to the patience; after that it is returned without them, marked incomplete, if it has at least
+// two cameras (one camera cannot carve). Sets neither wait for nor contain cameras that are not expected
+// (frozen, lost).
 #pragma once
 
 #include <cstdint>
@@ -19,47 +19,46 @@ namespace airclay {
 class FrameMatcher {
  public:
   struct Options {
-    double max_skew_s = 0.5 / 30;  ///< half a frame: at 1 m/s, 17 mm
-    double patience_s = 0.1;       ///< how long after its frames were taken a set waits for a late camera
-    std::size_t queue_frames = 4;  ///< a camera's frames that wait to be matched; the oldest gives way
+    double max_skew_s = 0.5 / 30;  ///< half a frame at 30 Hz: 17 mm at 1 m/s
+    double patience_s = 0.1;       ///< how long after its first capture time a set waits for late cameras
+    std::size_t queue_frames = 4;  ///< queue length per camera; a full queue drops its oldest frame
   };
   FrameMatcher(std::size_t cameras, const Options& options);
 
-  /// A camera's next frame; `id` is the caller's and grows. A time that is not after the camera's last one is
-  /// refused: false.
+  /// Queues a camera's next frame, if the camera is expected. `id`: any number larger than the camera's
+  /// previous one. False, and not queued, if `time_s` does not exceed the camera's previous time.
   bool add(std::size_t camera, double time_s, std::uint64_t id);
-  /// Whether sets wait for the camera. One that is not expected loses the frames that it has waiting.
+  /// Sets whether sets wait for the camera. If not, discards its queue.
   void expect(std::size_t camera, bool expected);
   bool expected(std::size_t camera) const { return cameras_[camera].expected; }
 
   void setPatience(double patience_s) { options_.patience_s = patience_s; }
 
   struct Set {
-    std::vector<std::optional<std::uint64_t>> ids;  ///< one a camera; none: it is missing
-    std::vector<double> times_s;                    ///< one a camera; NaN where it is missing
-    double skew_s = 0;                              ///< latest time - earliest
-    bool complete = false;                          ///< every camera is there, unexpected ones too
+    std::vector<std::optional<std::uint64_t>> ids;  ///< one per camera; empty if missing
+    std::vector<double> times_s;                    ///< one per camera; NaN if missing
+    double skew_s = 0;                              ///< latest - earliest time
+    bool complete = false;                          ///< no camera is missing, not even an unexpected one
   };
 
-  /// The newest set that there is, all expected cameras in it; older frames are passed over. Else, where
-  /// `now_s` is past the patience of some frames, the newest incomplete one. Sets come in order of time.
+  /// The newest set with all expected cameras; discards older frames. If there is none, the newest incomplete
+  /// set whose patience has expired at `now_s`. Sets are in order of time.
   std::optional<Set> newest(double now_s);
 
-  /// The next set in order, none left out: a frame is dropped only when it fits into no set, or another set
-  /// would be tighter. Decides one frame later than newest(), as the next frame may fit better.
+  /// The next set in order of time, skipping none. Drops a frame only if it fits into no set or if a set
+  /// without it has a smaller skew. Decides one frame later than newest(), because the next frame may fit
+  /// better.
   std::optional<Set> next(double now_s);
 
-  /// Frames of this camera that came into no set because the queue was full, or nothing matched them.
+  /// The number of frames dropped because the queue was full or no other frame matched.
   std::uint64_t dropped(std::size_t camera) const { return cameras_[camera].dropped; }
-  /// The oldest id that may still come into a set; what is older need not be kept. One past the last added
-  /// where none waits.
+  /// The oldest id that can still come into a set; the last id + 1 if the queue is empty.
   std::uint64_t oldestWaiting(std::size_t camera) const;
-  /// How many frames wait to be matched.
+  /// The length of the camera's queue.
   std::size_t waiting(std::size_t camera) const { return cameras_[camera].waiting.size(); }
   bool empty() const;
-  /// Where frames of all expected cameras came but were too far apart: their skew, which max_skew_s would
-  /// have to be. None while sets are found.
-  std::optional<double> refusedSkew() const { return refused_skew_s_; }
+  /// The skew of the best match of all expected cameras if it exceeds max_skew_s; empty while there are sets.
+  std::optional<double> excessSkew() const { return excess_skew_s_; }
 
  private:
   struct Frame {
@@ -68,41 +67,41 @@ class FrameMatcher {
   };
   struct Camera {
     std::deque<Frame> waiting;
-    double last_time_s, period_s;  ///< infinite before they are known
+    double last_time_s, period_s;  ///< -infinity and infinity until known
     std::uint64_t next_id = 0;
     std::uint64_t dropped = 0;
     bool expected = true;
   };
 
-  using Frames = std::vector<std::optional<Frame>>;  ///< one a camera
+  using Frames = std::vector<std::optional<Frame>>;  ///< one per camera
 
-  /// The oldest waiting frames.
+  /// The oldest queued frame of each camera.
   struct Heads {
     Frames frames;
-    std::vector<std::size_t> order;  ///< the cameras that have one, earliest first
+    std::vector<std::size_t> order;  ///< the cameras with a frame, earliest first
     double first_s = 0, last_s = 0;
-    bool lacks_one = false;  ///< an expected camera has none
+    bool lacks_one = false;  ///< an expected camera has no frame
   };
-  /// What would be had if the `early` earliest heads left.
-  struct Later {
+  /// The tightest match after replacing the `early` earliest heads by their cameras' next frames.
+  struct Advance {
     std::size_t early = 0;
     double skew_s = std::numeric_limits<double>::infinity();
-    bool unknown = false;  ///< a frame that would decide has not come
+    bool unknown = false;  ///< depends on a frame that has not arrived
   };
-  Heads theHeads() const;
-  Later laterOf(const Heads& heads) const;
+  Heads findHeads() const;
+  Advance bestAdvance(const Heads& heads) const;
   bool mayBeTighter(double first_s, double last_s) const;
   Set setOf(const Frames& frames) const;
-  /// Of each camera the last frame not after `anchor_s` and within the skew of it.
-  Frames around(double anchor_s) const;
-  void forget(const Frames& used);
-  Set give(const Frames& frames);
-  void noteRefused();
+  /// Each camera's last frame in [anchor_s - max_skew_s, anchor_s].
+  Frames framesBefore(double anchor_s) const;
+  void discard(const Frames& used);
+  Set take(const Frames& frames);
+  void updateExcessSkew();
   std::size_t expectedCount() const;
 
   Options options_;
   std::vector<Camera> cameras_;
-  std::optional<double> refused_skew_s_;
+  std::optional<double> excess_skew_s_;
 };
 
 }  // namespace airclay

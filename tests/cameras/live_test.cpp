@@ -65,8 +65,8 @@ TEST(FrameMatcher, SkewIsBoundedAndReported) {
   m.add(0, {0, 33});
   m.add(1, {15, 48});
   EXPECT_EQ(m.newest(50), std::nullopt);
-  ASSERT_TRUE(m.matcher.refusedSkew());
-  EXPECT_NEAR(*m.matcher.refusedSkew(), 0.015, 1e-12);
+  ASSERT_TRUE(m.matcher.excessSkew());
+  EXPECT_NEAR(*m.matcher.excessSkew(), 0.015, 1e-12);
   Matching wider(2, 15.001);
   wider.add(0, {0, 33});
   wider.add(1, {15, 48});
@@ -75,7 +75,7 @@ TEST(FrameMatcher, SkewIsBoundedAndReported) {
   EXPECT_EQ(set->ids, (Ids{1, 1}));
   EXPECT_TRUE(set->complete);
   EXPECT_NEAR(set->skew_s, 0.015, 1e-12);
-  EXPECT_EQ(wider.matcher.refusedSkew(), std::nullopt);
+  EXPECT_EQ(wider.matcher.excessSkew(), std::nullopt);
 }
 
 TEST(FrameMatcher, WaitsForALateCamera) {
