@@ -51,6 +51,7 @@ int run(int argc, char** argv) {
   addDemo(program, status);
   addSculpt(program, status);
   addTrack(program, status);
+  addEvaluate(program, status);
   addHull(program, status);
   addSubdivide(program, status);
   addDeform(program, status);

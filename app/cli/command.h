@@ -73,6 +73,7 @@ std::string oneLine(std::string message);
 void addDemo(CLI::App& program, int& status);
 void addSculpt(CLI::App& program, int& status);
 void addTrack(CLI::App& program, int& status);
+void addEvaluate(CLI::App& program, int& status);
 void addHull(CLI::App& program, int& status);
 void addSubdivide(CLI::App& program, int& status);
 void addDeform(CLI::App& program, int& status);

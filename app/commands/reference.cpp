@@ -52,6 +52,7 @@ OptionText textOf(const CLI::Option& option) {
     text.choices = choicesIn(option.get_type_name());
     text.value = option.get_type_name().substr(0, option.get_type_name().find(':'));
     if (text.positional) text.value = option.get_name(true);
+    if (text.positional && option.get_items_expected_max() > 1) text.value += "...";
     if (text.value.empty()) text.value = "VALUE";
   }
   return text;

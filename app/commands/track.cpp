@@ -6,8 +6,8 @@
 
 #include "app/cli/command.h"
 #include "app/cli/output_paths.h"
-#include "app/cli/progress.h"
 #include "app/session/take_options.h"
+#include "app/session/take_tracking.h"
 #include "app/session/tracking_summary.h"
 #include "engine/core/error.h"
 
@@ -26,16 +26,10 @@ void runTrack(const TrackOptions& options) {
   Take take = options.take.open();
   const HandModel hand = loadHand(options.hand);
   CommandGpu gpu(options);
-  Pipeline pipeline(gpu, take.rig(), hand, {options.voxels});
-  Player player(take, pipeline);
   Tracking tracking;
-  {
-    Progress progress("tracking", take.frameCount(), options.printsMessages());
-    while (const std::optional<PlayedFrame> frame = player.next()) {
-      tracking.add(*frame, &take);
-      progress.advance();
-    }
-  }
+  trackTake(gpu, take,
+            {.hand = hand, .pipeline = {options.voxels}, .shows_progress = options.printsMessages()},
+            [&](const PlayedFrame& frame) { tracking.add(frame, &take); });
   writePoses(options.poses, tracking.poses());
   if (options.json) printJson(tracking.json());
   for (const std::string& line : tracking.summary()) printLine(options, line);

@@ -19,6 +19,10 @@ void addTakeOptions(CLI::App& command, TakeInputOptions& options) {
   command.add_option("TAKE", options.folder, "recording: a folder with rig.toml and videos, images or masks")
       ->type_name("")
       ->required();
+  addTakeReadingOptions(command, options);
+}
+
+void addTakeReadingOptions(CLI::App& command, TakeInputOptions& options) {
   command.add_option("--units", options.units, "unit of a rig file that states none: m or mm")
       ->check(CLI::IsMember({"m", "mm"}).description(""))
       ->type_name("m|mm");

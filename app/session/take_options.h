@@ -28,7 +28,9 @@ struct TakeInputOptions {
   Take open(int max_frames = std::numeric_limits<int>::max()) const;
 };
 
-/// The take itself, --units, --background and, unless the command has it for cameras, --offset.
+/// The take itself, and addTakeReadingOptions().
 void addTakeOptions(CLI::App& command, TakeInputOptions& options);
+/// --units, --background and, unless the command has it for cameras, --offset.
+void addTakeReadingOptions(CLI::App& command, TakeInputOptions& options);
 
 }  // namespace airclay

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "app/cli/command.h"
+#include "capture/takes/truth.h"
 #include "engine/core/median.h"
 
 namespace airclay {
@@ -17,19 +18,6 @@ double worst(const std::vector<double>& values) {
 }
 
 }  // namespace
-
-std::optional<Pose> poseAt(const std::vector<TimedPose>& poses, double time_s, double frame_s) {
-  const auto after = std::lower_bound(poses.begin(), poses.end(), time_s,
-                                      [](const TimedPose& pose, double time) { return pose.time_s < time; });
-  const TimedPose* nearest = nullptr;
-  const auto consider = [&](const TimedPose& pose) {
-    if (!nearest || std::abs(pose.time_s - time_s) < std::abs(nearest->time_s - time_s)) nearest = &pose;
-  };
-  if (after != poses.end()) consider(*after);
-  if (after != poses.begin()) consider(*std::prev(after));
-  if (!nearest || std::abs(nearest->time_s - time_s) > frame_s / 2) return std::nullopt;
-  return nearest->world_from_hand;
-}
 
 void Tracking::add(const PlayedFrame& frame, const Recording* recording) {
   ++frames_;
@@ -55,7 +43,7 @@ void Tracking::add(const PlayedFrame& frame, const Recording* recording) {
   const Pose& pose = result.trackedHand()->pose.world_from_hand;
   poses_.push_back({frame.time_s, pose});
   if (!recording || !recording->truth()) return;
-  const std::optional<Pose> truth = poseAt(*recording->truth(), frame.time_s, 1 / recording->rateHz());
+  const std::optional<Pose> truth = nearestPose(*recording->truth(), frame.time_s, 1 / recording->rateHz());
   if (!truth) return;
   errors_mm_.push_back(1000 * (pose.translation() - truth->translation()).norm());
   errors_deg_.push_back(angleBetween(pose.linear(), truth->linear()) * 180 / std::numbers::pi);

@@ -35,7 +35,4 @@ class Tracking {
   std::vector<TimedPose> poses_;
 };
 
-/// The pose of `poses` nearest in time, not farther than half of `frame_s`.
-std::optional<Pose> poseAt(const std::vector<TimedPose>& poses, double time_s, double frame_s);
-
 }  // namespace airclay

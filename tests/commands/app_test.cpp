@@ -106,9 +106,9 @@ std::string glb(std::string text) {
 TEST(App, EveryCommandHasHelp) {
   EXPECT_EQ(runAirclay({"--help"}).status, 0);
   EXPECT_EQ(runAirclay({"--version"}).output, "0.1.0\n");
-  for (const char* command :
-       {"demo", "sculpt", "track", "hull", "subdivide", "deform", "figures", "compare", "bench", "devices",
-        "board", "calibrate", "recalibrate", "cameras", "offsets", "record", "serve", "rig", "check"}) {
+  for (const char* command : {"demo",    "sculpt",  "track",  "evaluate", "hull",  "subdivide", "deform",
+                              "figures", "compare", "bench",  "devices",  "board", "calibrate", "recalibrate",
+                              "cameras", "offsets", "record", "serve",    "rig",   "check"}) {
     const RunResult result = runAirclay({command, "--help"});
     EXPECT_EQ(result.status, 0) << command;
     EXPECT_NE(result.output.find(std::string("airclay ") + command), std::string::npos) << result.output;
