@@ -54,12 +54,12 @@ void addLinearTicks(Axis& axis, int count) {
   const double step = roundedUp((axis.high - axis.low) / count);
   const int decimals = std::max(0, static_cast<int>(std::ceil(-std::log10(step) - 1e-6)));
   for (double k = std::ceil(axis.low / step - 1e-6); k * step <= axis.high + 1e-6 * step; ++k)
-    axis.ticks.push_back({k * step, cv::format("%.*f", decimals, k * step)});
+    axis.ticks.push_back({k * step, cv::format("%.*f", decimals, k * step + 0.0)});
 }
 
 Axis timeAxis(const EvaluatedTake& take) {
   const double first_s = take.front().time_s, last_s = take.back().time_s;
-  const double margin_s = std::max(0.01 * (last_s - first_s), 0.02);
+  const double margin_s = std::max(0.01 * (last_s - first_s), 0.05);
   Axis axis{first_s - margin_s, last_s + margin_s, false, {}};
   addLinearTicks(axis, 12);
   return axis;
@@ -82,7 +82,7 @@ Axis errorAxis(std::vector<double> errors) {
   }
   // At most four decades: exact frames would stretch the axis without end.
   axis.high = roundedUp(1.1 * errors.back());
-  axis.low = std::max(errors.front(), 1e-4 * axis.high);
+  axis.low = std::max(percentile(errors, 0.01), 1e-4 * axis.high);
   double decade = std::pow(10, std::floor(std::log10(axis.low)));
   for (const double factor : {1, 2, 5})
     if (factor * decade <= axis.low * (1 + 1e-9)) axis.low = factor * decade;
@@ -161,10 +161,15 @@ class Panel {
       if (before && place) line(*before, *place, kLine, 1.5);
       before = place;
     }
-    for (const EvaluatedFrame& frame : take)
-      if (const std::optional<PoseError> error = poseError(frame, center_in_hand))
-        cv::circle(image_, at(x(frame.time_s), y(((*error).*size)())), 3 * kScale, colourOf(frame, *error),
-                   cv::FILLED, cv::LINE_AA);
+    // Dots that would merge are smaller; those of interest are drawn over the others.
+    const double spacing_px = (kWidth_px - kLeft_px - kRight_px) / static_cast<double>(take.size());
+    const int radius = cvRound(kScale * std::clamp(0.5 * spacing_px, 1.5, 3.0));
+    for (const bool is_good : {true, false})
+      for (const EvaluatedFrame& frame : take)
+        if (const std::optional<PoseError> error = poseError(frame, center_in_hand);
+            error && is_good == (colourOf(frame, *error) == kTracked))
+          cv::circle(image_, at(x(frame.time_s), y(((*error).*size)())), radius, colourOf(frame, *error),
+                     cv::FILLED, cv::LINE_AA);
   }
 
  private:
@@ -183,7 +188,8 @@ class Panel {
 };
 
 /// What the colours mean and how many frames have each; only those that occur.
-void drawLegend(cv::Mat& image, const Evaluation& evaluation) {
+/// Returns its left edge.
+double drawLegend(cv::Mat& image, const Evaluation& evaluation) {
   struct Entry {
     std::string text;
     int count;
@@ -209,6 +215,14 @@ void drawLegend(cv::Mat& image, const Evaluation& evaluation) {
       cv::circle(image, middle, 4 * kScale, entry->colour, cv::FILLED, cv::LINE_AA);
     right_px -= 26;
   }
+  return right_px;
+}
+
+/// Shortened to `width_px`.
+std::string fitting(std::string text, double size, double width_px) {
+  if (textSize(text, size).width <= kScale * width_px) return text;
+  while (!text.empty() && textSize(text + "...", size).width > kScale * width_px) text.pop_back();
+  return text + "...";
 }
 
 std::string titleOf(const std::string& title, const std::string& unit,
@@ -225,8 +239,8 @@ void drawEvaluation(const std::filesystem::path& png, const std::string& name, c
   const int height_px = kTop_px + 2 * kPanelHeight_px + kGap_px + kBottom_px;
   cv::Mat image(kScale * height_px, kScale * kWidth_px, CV_8UC4, kPaper);
   const Evaluation evaluation = evaluate({&take, 1}, center_in_hand);
-  write(image, name + cv::format(": %d frames", evaluation.frames), {double(kLeft_px), 34}, 0, 0.6);
-  drawLegend(image, evaluation);
+  const double legend_px = drawLegend(image, evaluation);
+  write(image, fitting(name, 0.6, legend_px - kLeft_px), {double(kLeft_px), 34}, 0, 0.6);
   if (!take.empty()) {
     std::vector<double> mm, deg;
     for (const EvaluatedFrame& frame : take)

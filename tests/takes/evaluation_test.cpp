@@ -198,6 +198,27 @@ TEST(Evaluation, PlotsHaveTheSameSizeForAnyErrors) {
   EXPECT_EQ(sizeOf({}), size);
 }
 
+TEST(Evaluation, PlotMarksLostFrames) {
+  const TemporaryFolder folder;
+  const auto reddish = [&](const EvaluatedTake& take) {
+    drawEvaluation(folder / "plot.png", "take", take, kCenter);
+    const ImageSize size = imageSize(folder / "plot.png");
+    std::vector<std::uint8_t> bgr(std::size_t(3) * std::size_t(size.width) * std::size_t(size.height));
+    readImage(folder / "plot.png", size, PixelFormat::kBgr8, bgr);
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < bgr.size(); i += 3) count += bgr[i + 2] > bgr[i] + 25;
+    return double(count) / double(bgr.size() / 3);
+  };
+  EvaluatedTake take = movingTake(20);
+  for (EvaluatedFrame& frame : take) frame.estimate = displaced(frame.truth, Vec3(0.001, 0, 0), Vec3::Zero());
+  EXPECT_EQ(reddish(take), 0);
+  take[7].estimate.reset();
+  const double one = reddish(take);
+  EXPECT_GT(one, 0.01);
+  take[12].estimate.reset();
+  EXPECT_NEAR(reddish(take), 2 * one, 0.1 * one);
+}
+
 // ------------------------------------------------------------------------------------------------- truth
 
 const Pose kStart = poseOf(Vec3(0.2, -0.1, 0.4), Vec3(0.1, 0, -0.1));
