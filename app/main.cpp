@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
+#include <memory>
 
 #include "app/cli/command.h"
 #include "app/cli/progress.h"
@@ -14,14 +15,24 @@ namespace airclay {
 namespace {
 
 constexpr const char* kExamples =
-    R"(  test                        build and run every test (in the source tree: ./airclay test)
+    R"(  test                      build and run every test; only as ./airclay test in the source tree
 
 Examples:
-  airclay demo                sculpt with the built-in cameras and hand, into out/demo
-  airclay sculpt TAKE         sculpt from a recording, into out/sculpt
-  airclay track TAKE --poses hand.tum
+  airclay demo              sculpt with synthetic cameras and a scripted hand; results in out/demo
+  airclay sculpt            sculpt with the mouse
+  airclay sculpt TAKE       sculpt with the hand of a recording; results in out/sculpt
 
 `airclay COMMAND --help` describes a command.)";
+
+/// Removes the additional blank line that CLI11 prints if the last group of options is hidden.
+class HelpFormatter : public CLI::Formatter {
+ public:
+  std::string make_help(const CLI::App* command, std::string name, CLI::AppFormatMode mode) const override {
+    std::string text = CLI::Formatter::make_help(command, name, mode);
+    if (const std::size_t blank = text.find("\n\n\n"); blank != std::string::npos) text.erase(blank, 1);
+    return text;
+  }
+};
 
 /// Reports an unknown command by its name; CLI11 would only report an unexpected argument.
 void checkCommand(const CLI::App& program, int argc, char** argv) {
@@ -45,8 +56,8 @@ int run(int argc, char** argv) {
   program.set_version_flag("--version", AIRCLAY_VERSION, "show the version");
   program.set_help_flag("-h,--help", "show this help");
   program.require_subcommand(1);
+  program.formatter(std::make_shared<HelpFormatter>());
   program.get_formatter()->column_width(28);
-  program.footer(kExamples);
   int status = 0;
   addDemo(program, status);
   addSculpt(program, status);
@@ -77,6 +88,7 @@ int run(int argc, char** argv) {
   addBench(program, status);
   addDevices(program, status);
   addReference(program, status);
+  program.footer(kExamples);  // last, because commands inherit it
   try {
     checkCommand(program, argc, argv);
     program.parse(argc, argv);

@@ -89,7 +89,7 @@ void addOffsetOption(CLI::App& command, std::vector<std::string>& offsets) {
   if (command.get_option_no_throw("--offset")) return;
   command
       .add_option("--offset", offsets,
-                  "milliseconds by which a camera's timestamps are late, once per camera [0]")
+                  "milliseconds by which a camera's timestamps are late; repeat for each camera [0]")
       ->type_name("NAME=MS")
       ->allow_extra_args(false);
 }
@@ -98,7 +98,8 @@ void addCameraOptions(CLI::App& command, CameraOptions& options) {
   const auto one = [](CLI::Option* option) { option->allow_extra_args(false); };
   CLI::Option* camera = command.add_option(
       "--camera", options.cameras,
-      "camera name and image source, once per camera; the source is a device number, /dev/videoN, a video "
+      "name and source of a camera; repeat for each camera. A source is a device number, /dev/videoN, a "
+      "video "
       "file, a folder or pattern of images (img_%04d.png), rtsp://..., http://..., or a GStreamer pipeline "
       "(gst: ...)");
   camera->type_name("NAME=SOURCE");
@@ -115,9 +116,9 @@ void addCameraOptions(CLI::App& command, CameraOptions& options) {
   addOffsetOption(command, options.offsets);
   command
       .add_option("--max-skew-ms", options.max_skew_ms,
-                  "maximum time between the images of a set [half a frame; while recording: one frame]")
+                  "maximum time difference between the images of a set [half a frame; for record: one frame]")
       ->type_name("MS");
-  command.add_flag("--loop", options.loop, "restart files at their end");
+  command.add_flag("--loop", options.loop, "restart sources that are files at their end");
 }
 
 }  // namespace airclay

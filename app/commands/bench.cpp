@@ -48,7 +48,10 @@ void addBench(CLI::App& program, int&) {
   CLI::App* command = program.add_subcommand("bench", "time each stage and the whole frame");
   const auto options = std::make_shared<CommonOptions>();
   addCommonOptions(*command, *options, Uses::kDeviceAndVoxels, true);
-  command->footer("Ratios are theirs / ours, measured in the same run; above 1, ours is faster.");
+  command->footer(
+      "Where another library has the same stage, a ratio compares its time with Airclay's, measured in the "
+      "same "
+      "run: above 1, Airclay is faster.");
   command->callback([options] { runBench(*options); });
 }
 

@@ -131,7 +131,7 @@ void addWorldOptions(CLI::App& command, CalibrateOptions& options) {
       .add_option_function<std::string>(
           "--center",
           [&calibration](const std::string& text) { calibration.center = parsePoint("--center", text); },
-          "center of the workspace in the world, metres [with --world, half an edge above the board; "
+          "centre of the workspace in the world, metres [with --world, half an edge above the board; "
           "otherwise the origin]")
       ->type_name("X,Y,Z");
   command.add_option("--edge", calibration.edge_m, "edge of the workspace, metres [0.6]")

@@ -129,8 +129,8 @@ void CalibrationCommandOptions::write(const Calibration& found, const Board& of,
 void addCalibrationOptions(CLI::App& command, CalibrationCommandOptions& options) {
   command
       .add_option("TAKE", options.take,
-                  "recording: a folder with a video NAME.mp4, .mkv or .avi, or images NAME/000000.png, ..., "
-                  "per camera, and optionally timestamps.csv; omit it with --camera")
+                  "recording of the board: a folder with a video NAME.mp4 (.mov, .mkv, .avi, ...) or images "
+                  "NAME/000000.png, ... per camera, and optionally timestamps.csv; omit it with --camera")
       ->type_name("");
   addCameraOptions(command, options.cameras);
   command.add_flag("--headless", options.headless, "with --camera, run without a window");
@@ -159,7 +159,7 @@ void addCalibrationOptions(CLI::App& command, CalibrationCommandOptions& options
 void addWorldOption(CLI::App& command, std::optional<int>& frame, const std::string& otherwise) {
   command
       .add_option("--world", frame,
-                  "frame in which the board is flat on the table: its center becomes the world origin, z up, "
+                  "frame in which the board is flat on the table: its centre becomes the world origin, z up, "
                   "x along its rows [" +
                       otherwise + "]")
       ->check(CLI::NonNegativeNumber.description(""))

@@ -212,10 +212,14 @@ void runCheck(const CheckInputOptions& options, int& status) {
 
 void addCheck(CLI::App& program, int& status) {
   CLI::App* command = program.add_subcommand(
-      "check",
-      "report what would be read from a take, a rig or a cage, what is repaired and what is missing");
+      "check", "report what Airclay reads from a take, a rig or a cage, what it repairs and what is missing");
   const auto options = std::make_shared<CheckInputOptions>();
-  addTakeOptions(*command, options->input);
+  command
+      ->add_option("PATH", options->input.folder,
+                   "take, rig file or control cage (.obj, .ply, .stl, .gltf, .glb)")
+      ->type_name("")
+      ->required();
+  addTakeReadingOptions(*command, options->input);
   command->remove_option(command->get_option("--units"));
   addCageOptions(*command, options->cage);
   command->get_option("--units")->description(
@@ -223,8 +227,8 @@ void addCheck(CLI::App& program, int& status) {
       "or mm");
   addCommonOptions(*command, *options, Uses::kNothing, true);
   command->footer(
-      "TAKE may also be a rig's file, or a cage's: .obj, .ply, .stl, .gltf or .glb.\n\nExamples:\n  airclay "
-      "check TAKE --json\n  airclay check cage.obj --units mm");
+      "Examples:\n  airclay check TAKE --json\n  airclay check rig.toml\n  airclay check cage.obj --units "
+      "mm");
   command->callback([options, &status] {
     options->input.units = options->cage.units;
     runCheck(*options, status);

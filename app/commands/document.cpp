@@ -274,7 +274,7 @@ void addTurn(CLI::App& program, int&) {
   command
       ->add_option(
           "--about", options->about,
-          "point on the axis in the world, metres; the studio uses the workspace's center [the origin]")
+          "point on the axis in the world, metres; the studio uses the workspace's centre [the origin]")
       ->type_name("X,Y,Z");
   addCommonOptions(*command, *options, Uses::kNothing, false);
   command->footer("Example:\n  airclay turn pot.clay --axis z --degrees 90");

@@ -57,7 +57,7 @@ void addHull(CLI::App& program, int&) {
       ->type_name("N")
       ->required();
   command
-      ->add_option("--out", options->out, "output file for the centers of the occupied voxels, world, metres")
+      ->add_option("--out", options->out, "output file for the centres of the occupied voxels, world, metres")
       ->type_name("FILE.ply")
       ->required();
   addCommonOptions(*command, *options, Uses::kDeviceAndVoxels, true);

@@ -90,8 +90,9 @@ void addOffsets(CLI::App& program, int&) {
   addTakeOptions(*command, options->take);
   addCommonOptions(*command, *options, Uses::kDeviceAndVoxels, true);
   command->footer(
-      "Record a hand that moves through the whole workspace for ten seconds, fast and slowly, then:\n  "
-      "airclay offsets TAKE\n  airclay record --rig rig.toml --offset left=12.5 ... --out TAKE2");
+      "Record a hand that moves through the whole workspace for ten seconds, both fast and slowly. Pass the "
+      "offsets to\nother commands as --offset.\n\nExamples:\n  airclay offsets TAKE\n  airclay sculpt TAKE "
+      "--offset left=12.5");
   command->callback([options] { runOffsets(*options); });
 }
 

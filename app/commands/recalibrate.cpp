@@ -148,15 +148,14 @@ void addRecalibrate(CLI::App& program, int&) {
   const auto options = std::make_shared<RecalibrateOptions>();
   options->required = RequiredViews::forPoses();
   command
-      ->add_option(
-          "RIG", options->rig,
-          "existing rig; its lenses are kept, and the cameras that did not move keep the world in place")
+      ->add_option("RIG", options->rig,
+                   "existing rig; its lenses stay, and the cameras that did not move define the world")
       ->type_name("")
       ->required();
   addCalibrationOptions(*command, *options);
   addWorldOption(*command, options->recalibration.world_frame, "the rig's");
   command->footer(
-      "Ten seconds are enough. Hold the board still a few times where two cameras see it.\nExample:\n  "
+      "Ten seconds are enough. Hold the board still a few times where two cameras see it.\n\nExample:\n  "
       "airclay recalibrate rig.toml recording --out rig2.toml");
   command->callback([options] { runRecalibrate(*options); });
 }

@@ -281,23 +281,26 @@ void addRecord(CLI::App& program, int&) {
   const auto options = std::make_shared<RecordOptions>();
   command
       ->add_option("--rig", options->rig,
-                   "calibration whose camera names --camera uses; omit it to record for calibration")
+                   "rig with the names that --camera uses; omit it to record a board for calibration")
       ->type_name("RIG.toml");
   addCameraOptions(*command, options->cameras);
   command->add_option("--out", options->out, "new folder for the take")->type_name("TAKE")->required();
   command->add_option("--seconds", options->seconds, "duration [until Ctrl-C]")->type_name("S");
   command
-      ->add_option("--background", options->background,
-                   "average the first N sets into background/NAME.png [none: the take itself starts with the "
-                   "empty workspace]")
+      ->add_option(
+          "--background", options->background,
+          "average the first N sets of images into background/NAME.png, instead of recording them [none: "
+          "the take starts with the empty workspace]")
       ->type_name("N");
-  command->add_option("--background-seconds", options->background_s, "like --background, in seconds")
+  command
+      ->add_option("--background-seconds", options->background_s,
+                   "like --background, with the duration in seconds")
       ->type_name("S");
   addCommonOptions(*command, *options, Uses::kNothing, true);
   command->footer(
       "Examples:\n  airclay record --rig rig.toml --camera left=0 --camera right=2 --background-seconds 2 "
       "--seconds 30 --out monday\n"
-      "  airclay record --camera left=0 --camera right=2 --out wave        (to calibrate from)");
+      "  airclay record --camera left=0 --camera right=2 --out board");
   command->callback([options] { runRecord(*options); });
 }
 

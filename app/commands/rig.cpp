@@ -227,7 +227,7 @@ void addRigOptions(CLI::App& command, RigOptions& options) {
       ->type_name("AXIS");
   command
       .add_option("--center", options.center,
-                  "center of the workspace in the rig's world, metres; auto: the point the cameras look at "
+                  "centre of the workspace in the rig's world, metres; auto: the point the cameras look at "
                   "[from the rig]")
       ->type_name("X,Y,Z|auto");
   command.add_option("--edge", options.edge_m, "edge of the workspace, metres [from the rig, otherwise 0.6]")
@@ -270,14 +270,15 @@ void addRigCheck(CLI::App& rig, int& status) {
                    "recording with this rig: check image sizes, names, and agreement of the silhouettes")
       ->type_name("");
   command
-      ->add_option("--background", options->background_frames,
-                   "number of initial frames that show the empty workspace, 1 to 256, for a take without "
-                   "background/ [10]")
+      ->add_option(
+          "--background", options->background_frames,
+          "number of frames at the start that show the empty workspace, 1 to 256; ignored if the take "
+          "has a folder background/ [10]")
       ->check(CLI::Range(1, static_cast<int>(kMaxLearnFrames)).description(""))
       ->type_name("N");
   addCommonOptions(*command, *options, Uses::kNothing, true);
   command->footer(
-      "The exit status is 1 if the rig has errors; warnings are only printed.\nExamples:\n  airclay rig "
+      "The exit status is 1 if the rig has errors; warnings do not change it.\n\nExamples:\n  airclay rig "
       "check rig.toml\n  airclay rig check rig.toml TAKE --json");
   command->callback([options, &status] { runCheck(*options, status); });
 }

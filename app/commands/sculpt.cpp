@@ -355,7 +355,7 @@ void addSculpt(CLI::App& program, int&) {
   command
       ->add_option_function<std::string>(
           "--place", [options](const std::string& text) { options->place = parsePoint("--place", text); },
-          "center of the clay in the world, metres")
+          "centre of the clay in the world, metres")
       ->type_name("X,Y,Z");
   command->add_option("--size", options->size_m, "longest side of the clay, metres")
       ->check(CLI::Range(1e-4, 1e4).description(""))
@@ -368,7 +368,7 @@ void addSculpt(CLI::App& program, int&) {
   command->add_option("--save", options->save, "document to save every stroke in")->type_name("FILE.clay");
   command
       ->add_option("--tool", options->tool,
-                   "tool to use without a window: " + toolUsage() + " (default: " + tools().front()->id + ")")
+                   "without a window, use this tool: " + toolUsage() + " [" + tools().front()->id + "]")
       ->check(CLI::Validator(
           [](const std::string& text) {
             try {
@@ -381,20 +381,24 @@ void addSculpt(CLI::App& program, int&) {
           ""))
       ->type_name("TOOL");
   command
-      ->add_option("--symmetry", options->symmetry, "mirror planes to use without a window, for example xy")
+      ->add_option("--symmetry", options->symmetry,
+                   "without a window, mirror the hand's effect along these axes of the clay: x, y, z or "
+                   "several, as xy")
       ->type_name("AXES");
   command->add_flag("--no-filter", options->unfiltered,
                     "without a window, use the measured hand pose without temporal filtering");
-  command->add_option("--record", options->record, "record images and actions to a new folder, for replay")
+  command
+      ->add_option("--record", options->record,
+                   "record images and actions to a new folder; as TAKE, it is replayed")
       ->type_name("DIR");
   command->add_flag("--ignore-actions", options->ignore_actions,
-                    "use only the images of such a recording, not its actions");
+                    "use only the images of a TAKE that --record wrote, not its actions");
   addDeprecatedName(*command, "--unsteady", "--no-filter");
   addDeprecatedName(*command, "--afresh", "--ignore-actions");
   addLog(*command, *options);
   addOut(*command, *options);
   command->add_option("--video", options->video, "also write a video")->type_name("FILE.mp4");
-  command->add_option("--rig", options->rig, "calibration of the live cameras")->type_name("RIG.toml");
+  command->add_option("--rig", options->rig, "rig of the live cameras")->type_name("RIG.toml");
   addCameraOptions(*command, options->cameras);
   addCommonOptions(*command, *options, Uses::kDeviceAndVoxels, false);
   command->footer(
@@ -402,7 +406,8 @@ void addSculpt(CLI::App& program, int&) {
       "0,0,-0.05 --save vase.clay\n"
       "  airclay sculpt TAKE --clay cage.obj --size 0.25 --solve touched --out out/mine\n"
       "  airclay sculpt --rig rig.toml --camera left=0 --camera right=2\n"
-      "  airclay sculpt TAKE --record mine; airclay sculpt mine --headless --out out/again");
+      "  airclay sculpt TAKE --record mine\n"
+      "  airclay sculpt mine --headless --out out/again");
   command->callback([options, command] {
     for (const char* name : {"--clay", "--clay-units", "--clay-up", "--place", "--size", "--levels", "--rule",
                              "--solve", "--hand", "--tool", "--symmetry", "--no-filter", "--voxels",

@@ -141,7 +141,7 @@ void addServe(CLI::App& program, int&) {
   addCommonOptions(*command, *options, Uses::kNothing, true);
   command->footer(
       "Examples:\n  airclay serve --camera left=0 --camera right=2 --mode 640x480@30 --address 0.0.0.0\n"
-      "  airclay cameras --camera left=rtsp://10.0.0.7:8554/left --watch      (on the other machine)");
+      "On the other machine:\n  airclay cameras --camera left=rtsp://10.0.0.7:8554/left --watch");
   command->callback([options] { runServe(*options); });
 }
 

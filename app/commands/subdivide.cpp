@@ -95,18 +95,18 @@ void addSubdivisionOptions(CLI::App& command, ClayOptions& options, WhenOmitted 
   options.rule_option =
       command
           .add_option("--rule", options.rule,
-                      std::string("weights of a vertex point: catmull-clark") + (marked ? " (default)" : "") +
-                          " or printed, eq. (4) of the paper")
+                      std::string("rule for vertex points: catmull-clark") + (marked ? " (default)" : "") +
+                          ", or printed: eq. (4) exactly as the paper prints it")
           ->check(CLI::IsMember({"catmull-clark", "printed"}).description(""))
           ->type_name("RULE");
 }
 
 void addSolveOption(CLI::App& command, ClayOptions& options, WhenOmitted otherwise) {
   std::vector<std::string> ids;
-  std::string help = "data points to fit:";
+  std::string help = "solve method:";
   for (const SolveMethod* method : solveMethods()) {
     const bool is_default = ids.empty() && otherwise == WhenOmitted::kDefault;
-    help += (ids.empty() ? " " : "; ") + std::string(method->id) + (is_default ? " (default)" : "") + ", " +
+    help += (ids.empty() ? " " : ". ") + std::string(method->id) + (is_default ? " (default) " : " ") +
             method->description;
     ids.push_back(method->id);
   }

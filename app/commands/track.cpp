@@ -40,7 +40,8 @@ void runTrack(const TrackOptions& options) {
 
 void addHandOption(CLI::App& command, std::string& hand) {
   command
-      .add_option("--hand", hand, "right (default), left, or a skinned glTF binary with WebXR joint names")
+      .add_option("--hand", hand,
+                  "hand model: right (default), left, or a skinned glTF binary with WebXR joint names")
       ->type_name("right|left|FILE.glb");
 }
 

@@ -27,9 +27,10 @@ void addTakeReadingOptions(CLI::App& command, TakeInputOptions& options) {
       ->check(CLI::IsMember({"m", "mm"}).description(""))
       ->type_name("m|mm");
   command
-      .add_option("--background", options.background_frames,
-                  "number of initial frames that show the empty workspace, 1 to 256, for a take without "
-                  "background/ [10]")
+      .add_option(
+          "--background", options.background_frames,
+          "number of frames at the start that show the empty workspace, 1 to 256; ignored if the take "
+          "has a folder background/ [10]")
       ->check(CLI::Range(1, static_cast<int>(kMaxLearnFrames)).description(""))
       ->type_name("N");
   addOffsetOption(command, options.offsets);

@@ -16,7 +16,7 @@ std::unique_ptr<ClaySolver> createAllSolver(Gpu& gpu, const StencilMatrix& matri
 const SolveMethod kSolveAll = {
     .id = "all",
     .name = "All points",
-    .description = "all data points; those that the hand did not move keep their positions",
+    .description = "fits all data points; those that the hand did not move keep their positions",
     .fits_unmoved = true,
     .max_control_points = AllRowsSolver::kMaxControlPoints,
     .create = createAllSolver,

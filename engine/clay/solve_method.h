@@ -19,7 +19,7 @@ class ClaySolver;
 struct SolveMethod {
   const char* id;           ///< on the command line and in documents: "all"
   const char* name;         ///< in the window: "all points"
-  const char* description;  ///< which data points are fitted, one phrase
+  const char* description;  ///< "fits ...": the data points that it fits
   bool fits_unmoved;        ///< the solve includes the rows of data points that are not moved
   int max_control_points;
   /// \pre `matrix` outlives the solver

@@ -38,7 +38,7 @@ std::unique_ptr<ClaySolver> createTouchedSolver(Gpu&, const StencilMatrix& matri
 const SolveMethod kSolveTouched = {
     .id = "touched",
     .name = "Touched points",
-    .description = "only the data points that the hand moved; the rest follows freely",
+    .description = "fits only the data points that the hand moved; the others follow",
     .fits_unmoved = false,
     .max_control_points = 5'000'000,
     .create = createTouchedSolver,
