@@ -22,7 +22,7 @@ void runBench(const CommonOptions& options) {
   CommandGpu gpu(options);
   const std::vector<StageTiming> stages = benchStages(gpu, {options.voxels});
   std::vector<std::vector<std::string>> rows = {
-      {"STAGE", "GPU ms", "WALL ms", "WORK", "", "REFERENCE/OURS", "PEER/OURS", "PEER"}};
+      {"stage", "GPU ms", "wall ms", "work", "", "CPU reference", "peer", "peer library"}};
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const StageTiming& stage : stages) {
     rows.push_back({stage.name, fixed(stage.gpu_ms, 3), fixed(stage.wall_ms, 3), fixed(stage.work, 0),
@@ -38,7 +38,7 @@ void runBench(const CommonOptions& options) {
                     {"peer_ratio", stage.peer_ratio}});
   }
   if (options.json) printJson({{"stages", list}});
-  printLine(options, gpu.info().name + ", " + std::to_string(options.voxels) + " voxels an edge; medians");
+  printLine(options, gpu.info().name + ", " + std::to_string(options.voxels) + " voxels per edge; medians");
   if (options.printsMessages()) printTable(rows);
 }
 
@@ -49,9 +49,8 @@ void addBench(CLI::App& program, int&) {
   const auto options = std::make_shared<CommonOptions>();
   addCommonOptions(*command, *options, Uses::kDeviceAndVoxels, true);
   command->footer(
-      "Where another library has the same stage, a ratio compares its time with Airclay's, measured in the "
-      "same "
-      "run: above 1, Airclay is faster.");
+      "The columns \"CPU reference\" and \"peer\" are their times divided by Airclay's, measured in the same "
+      "run. A peer is\nanother library that computes the same stage.");
   command->callback([options] { runBench(*options); });
 }
 

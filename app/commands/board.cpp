@@ -42,7 +42,7 @@ Sight sightFromOptions(const BoardCommandOptions& options) {
     throw Error("--fov " + fixed(options.fov_degrees, 1) + ": expected 1 to 170 degrees", Fault::kUsage);
   return {{focalOf(width, options.fov_degrees), options.distance_m},
           "a " + std::to_string(width) + " x " + std::to_string(height) + " camera with " +
-              fixed(options.fov_degrees, 0) + " degrees of view, " + fixed(options.distance_m, 2) +
+              fixed(options.fov_degrees, 0) + " degrees field of view, " + fixed(options.distance_m, 2) +
               " m away"};
 }
 
@@ -96,16 +96,17 @@ void printVerdict(const BoardCommandOptions& options, const Board& board, const 
                   const Verdict& verdict) {
   const std::string cell = board.chessboard ? "a square" : "a marker's cell";
   const std::string least = fixed(minCellPixels(board), 0);
-  printLine(options, "To " + sight.camera + ", " + cell + " has " + fixed(verdict.cell_px, 1) +
-                         " pixels: " + (verdict.readable ? "it will be read" : "too few to be read") + " (" +
-                         least + " are needed, more where the board is held aslant).");
+  printLine(options, "For " + sight.camera + ", " + cell + " is " + fixed(verdict.cell_px, 1) +
+                         " pixels wide: " + (verdict.readable ? "readable" : "too small") + " (at least " +
+                         least + " are needed, more if the board is tilted).");
   if (verdict.readable) return;
   const double nearer_m = sight.sight.distance_m * verdict.cell_px / minCellPixels(board);
   if (!verdict.proposal) {
-    printLine(options, "No board on A3 will do there. Within " + fixed(nearer_m, 2) + " m this one is read.");
+    printLine(options, "No board on A3 is readable at that distance. This one is readable within " +
+                           fixed(nearer_m, 2) + " m.");
     return;
   }
-  printLine(options, "This one would be read, with " + fixed(verdict.proposal->cell_px, 1) +
+  printLine(options, "This board is readable, with " + fixed(verdict.proposal->cell_px, 1) +
                          " pixels: --page " + nameOf(verdict.proposal->page) + " " +
                          optionsOf(verdict.proposal->board));
 }
@@ -150,13 +151,13 @@ void runBoard(const BoardCommandOptions& options) {
 
   const std::optional<Verdict> verdict = sight ? std::optional(judge(board, *sight, page)) : std::nullopt;
   if (options.json) printVerdictJson(jsonOf(board, page), verdict);
-  printLine(options, "A board of " + describe(board) + ", in " + options.out + ", on a page of " +
+  printLine(options, options.out + ": a board of " + describe(board) + " on a page of " +
                          fixed(1000 * sheet.width_m, 0) + " x " + fixed(1000 * sheet.height_m, 0) + " mm.");
-  printLine(
-      options,
-      "Print it at 100 %, without scaling (\"actual size\"). Measure the line below it: it must be 100 mm "
-      "long. If it isn't, measure a square and say so with --square-mm.");
-  printLine(options, "Glue it on something flat and stiff: a bent board bends the calibration.");
+  printLine(options,
+            "Print it at 100 % (\"actual size\"). The line below the board must be 100 mm long. If it is "
+            "not, measure "
+            "a square and pass its edge to calibrate as --check-square-mm.");
+  printLine(options, "Glue it to a flat, stiff plate: a bent board makes the calibration inaccurate.");
   if (sight) printVerdict(options, board, *sight, *verdict);
 }
 

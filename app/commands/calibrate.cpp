@@ -47,7 +47,7 @@ void print(const CalibrateOptions& options, const Calibration& found) {
                    fixed(baseline.metres, 3) + " m";
   printLine(options, "distances: " + distances);
   printLine(options, "reprojection error " + fixed(found.rms_px, 2) +
-                         " px RMS; lengths on the board are off by " + describeScale(found) +
+                         " px RMS; error of lengths on the board " + describeScale(found) +
                          "; the world origin is the board in frame " + std::to_string(found.world_frame) +
                          (options.live() || options.calibration.world_frame
                               ? ""

@@ -44,7 +44,7 @@ void collectInTerminal(const CalibrationCommandOptions& options, LiveCalibration
 LiveCalibration::State finishInTerminal(const CalibrationCommandOptions& options,
                                         LiveCalibration& calibration) {
   calibration.finish();
-  Progress progress("making the rig", 100, options.printsMessages());
+  Progress progress("calibrating", 100, options.printsMessages());
   for (;;) {
     std::this_thread::sleep_for(kLookS);
     const LiveCalibration::State state = calibration.state();
@@ -98,15 +98,14 @@ Board CalibrationCommandOptions::measuredBoard(std::vector<std::string>& warning
 std::vector<CameraViews> CalibrationCommandOptions::findBoards(BoardRecording& recording, const Board& of,
                                                                std::vector<std::string>& warnings) const {
   warnings.insert(warnings.end(), recording.notes().begin(), recording.notes().end());
-  const ProgressTask progress("looking for the board", printsMessages());
+  const ProgressTask progress("detecting the board", printsMessages());
   return recording.findBoards(BoardDetector(of), search);
 }
 
 void CalibrationCommandOptions::check() const {
   if (take.empty() && !live())
     throw Error(
-        "no images of the board: a recording, TAKE, or live cameras, --camera NAME=SOURCE for each, would be "
-        "right",
+        "no images of the board; expected a recording, TAKE, or live cameras, --camera NAME=SOURCE for each",
         Fault::kUsage);
   if (!take.empty() && live())
     throw Error("a recording and live cameras exclude each other; use either TAKE or --camera",
@@ -171,14 +170,14 @@ std::vector<std::string> resultLines(const Calibration& found, const Calibration
   for (std::size_t i = 0; i < found.cameras.size(); ++i)
     lines.push_back(found.rig.cameras[i].name + ": " + fixed(found.cameras[i].rms_px, 2) + " px RMS in " +
                     std::to_string(found.cameras[i].views) + " views");
-  lines.push_back("lengths on the board are off by " + describeScale(found));
+  lines.push_back("error of lengths on the board: " + describeScale(found));
   lines.push_back(describeOutput(options));
   lines.insert(lines.end(), found.warnings.begin(), found.warnings.end());
   return lines;
 }
 
 std::string describeScale(const Calibration& found) {
-  return found.scale_error_mm ? fixed(*found.scale_error_mm, 2) + " mm RMS" : "an unknown amount";
+  return found.scale_error_mm ? fixed(*found.scale_error_mm, 2) + " mm RMS" : "unknown";
 }
 
 std::string describeOutput(const CalibrationCommandOptions& options) {

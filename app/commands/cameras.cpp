@@ -93,7 +93,7 @@ struct SetFigures {
 
 std::vector<std::vector<std::string>> tableOf(const std::vector<CameraStatus>& all) {
   std::vector<std::vector<std::string>> rows = {
-      {"CAMERA", "STATE", "HZ", "OF", "DROPS", "SKEW MS", "SIZE", "TIMES FROM", "LAST ERROR"}};
+      {"camera", "state", "Hz", "declared Hz", "drops", "skew ms", "size", "times from", "last error"}};
   for (const CameraStatus& one : all)
     rows.push_back({one.name, nameOf(one.state), fixed(one.measured_hz, 1), fixed(one.rate_hz, 1),
                     std::to_string(one.drops), fixed(1000 * one.skew_s, 1), sizeText(one.size),
@@ -138,12 +138,12 @@ class Table {
 std::string summary(const SetFigures& figures, const LiveCameras& cameras) {
   if (figures.sets + figures.incomplete > 0)
     return std::to_string(figures.sets) + " sets, " + std::to_string(figures.incomplete) +
-           " without some camera, skew " + fixed(1000 * figures.usual(), 1) + " ms (worst " +
-           fixed(1000 * figures.worst(), 1) + " of " + fixed(1000 * cameras.maxSkew(), 1) + " allowed)";
+           " incomplete, median skew " + fixed(1000 * figures.usual(), 1) + " ms (maximum " +
+           fixed(1000 * figures.worst(), 1) + ", limit " + fixed(1000 * cameras.maxSkew(), 1) + ")";
   if (const std::optional<double> skew_s = cameras.excessSkew())
-    return "no set: the images are " + fixed(1000 * *skew_s, 1) + " ms apart, " +
-           fixed(1000 * cameras.maxSkew(), 1) + " are allowed; --max-skew-ms " +
-           fixed(1000 * *skew_s + 1, 0) + " accepts them; synchronized cameras would be better";
+    return "no set: the images are " + fixed(1000 * *skew_s, 1) + " ms apart, the limit is " +
+           fixed(1000 * cameras.maxSkew(), 1) + " ms; synchronize the cameras, or use --max-skew-ms " +
+           fixed(1000 * *skew_s + 1, 0);
   return "no set yet";
 }
 
@@ -189,7 +189,7 @@ Json watch(const CamerasOptions& options, const std::vector<NamedSource>& source
 
 Json openEach(const CamerasOptions& options, const std::vector<NamedSource>& sources) {
   Json list = Json::array();
-  std::vector<std::vector<std::string>> rows = {{"CAMERA", "SIZE", "HZ", "TIMES FROM", "SOURCE"}};
+  std::vector<std::vector<std::string>> rows = {{"camera", "size", "Hz", "times from", "source"}};
   for (const NamedSource& named : sources) {
     const std::unique_ptr<CameraSource> source = openSource(named, options.cameras.sourceOptions());
     rows.push_back({named.name, sizeText(source->size()), fixed(source->rateHz(), 2), nameOf(source->times()),
@@ -207,7 +207,8 @@ Json openEach(const CamerasOptions& options, const std::vector<NamedSource>& sou
 
 void runCameras(const CamerasOptions& options) {
   if (options.watch_s < 0)
-    throw Error("--watch must be a number of seconds above 0, or no number: until Ctrl-C", Fault::kUsage);
+    throw Error("--watch: expected a number of seconds above 0, or no value to watch until Ctrl-C",
+                Fault::kUsage);
   if (!options.cameras.given()) {
     if (options.watches)
       throw Error("--watch needs cameras to watch; add, for example, --camera left=0 --camera right=2",

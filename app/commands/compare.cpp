@@ -37,7 +37,7 @@ void runCompare(const CommonOptions& options, int& status) {
     CommandGpu gpu(one);
     for (KernelComparison& kernel : compareKernels(gpu)) kernels.push_back(std::move(kernel));
   }
-  std::vector<std::vector<std::string>> rows = {{"KERNEL", "DEVICE", "ERROR", "TOLERANCE", ""}};
+  std::vector<std::vector<std::string>> rows = {{"kernel", "device", "error", "tolerance", ""}};
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   int failed = 0;
   for (const KernelComparison& kernel : kernels) {

@@ -22,7 +22,8 @@ std::string listed(const std::vector<std::string>& names) {
 }
 
 void printDevices(const std::vector<DeviceInfo>& devices) {
-  std::vector<std::vector<std::string>> rows = {{"N", "NAME", "TYPE", "VULKAN", "MEMORY", "DRIVER", "STATE"}};
+  std::vector<std::vector<std::string>> rows = {
+      {"number", "name", "type", "Vulkan", "memory", "driver", "state"}};
   for (const DeviceInfo& device : devices)
     rows.push_back({std::to_string(rows.size() - 1), device.name, device.type,
                     versionText(device.api_version),

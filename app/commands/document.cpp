@@ -127,7 +127,7 @@ void runRefine(const DocumentOptions& options) {
             options.file + ": " + counted(refined.cage.points.size(), "control point") + " at level " +
                 std::to_string(refined.levels) + ", from " + std::to_string(before.cage.points.size()) +
                 " at level " + std::to_string(before.levels) +
-                (before.levels == 1 ? "; the surface is one step finer" : "; the surface is the same"));
+                (before.levels == 1 ? "; the surface is one level finer" : "; the surface is the same"));
 }
 
 void runSet(const SetOptions& options) {
@@ -164,7 +164,7 @@ void runTurn(const TurnOptions& options) {
   state.workspace_from_clay = (turn * state.workspace_from_clay).normalized();
   document.commit("Turn", state);
   printLine(options,
-            options.file + ": turned by " + fixed(options.degrees, 1) + " degrees about " + options.axis);
+            options.file + ": rotated by " + fixed(options.degrees, 1) + " degrees about " + options.axis);
 }
 
 void addFile(CLI::App& command, DocumentOptions& options) {

@@ -37,10 +37,9 @@ ClayState clayOf(const ExportOptions& options) {
 }
 
 std::string describePrintability(const MeshExport& written) {
-  if (!written.watertight())
-    return "it has " + std::to_string(written.open_edges) + " open edges: a slicer will not print it";
-  if (written.volume_m3 < 0) return "it is watertight but inside out: its faces run clockwise";
-  return "it is watertight, " + fixed(1e6 * written.volume_m3, 1) + " cm3";
+  if (!written.watertight()) return std::to_string(written.open_edges) + " open edges: cannot be 3D-printed";
+  if (written.volume_m3 < 0) return "watertight, but inside out: the faces are clockwise";
+  return "watertight, " + fixed(1e6 * written.volume_m3, 1) + " cm3";
 }
 
 std::string sizeOf(const MeshExport& written) {

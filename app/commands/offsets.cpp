@@ -44,7 +44,7 @@ std::vector<MotionSeries> motionIn(const OffsetsOptions& options, Take& take) {
   Pipeline pipeline(gpu, take.rig(), builtInHand(false), {options.voxels});
   Player player(take, pipeline);
   std::vector<MotionSeries> series(take.rig().cameras.size());
-  Progress progress("watching the hand", take.frameCount(), options.printsMessages());
+  Progress progress("tracking the hand", take.frameCount(), options.printsMessages());
   for (int frame = 0; const std::optional<PlayedFrame> played = player.next(); ++frame) {
     progress.advance();
     if (played->background) continue;
@@ -67,7 +67,7 @@ void runOffsets(const OffsetsOptions& options) {
   Take take = options.take.open();
   const ClockOffsets found = estimateClockOffsets(take.rig(), motionIn(options, take));
   nlohmann::ordered_json cameras = nlohmann::ordered_json::array();
-  std::vector<std::vector<std::string>> rows = {{"CAMERA", "TOO LATE BY", "SURE TO"}};
+  std::vector<std::vector<std::string>> rows = {{"camera", "offset", "standard error"}};
   std::string offsets;
   for (std::size_t c = 0; c < take.rig().cameras.size(); ++c) {
     const std::string& name = take.rig().cameras[c].name;
@@ -78,7 +78,7 @@ void runOffsets(const OffsetsOptions& options) {
   }
   if (options.json) printJson({{"cameras", cameras}});
   if (options.printsMessages()) printTable(rows);
-  printLine(options, offsets.empty() ? "the cameras' clocks agree" : "use:" + offsets);
+  printLine(options, offsets.empty() ? "the cameras' clocks agree" : "options:" + offsets);
 }
 
 }  // namespace

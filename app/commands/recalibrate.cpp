@@ -79,27 +79,27 @@ std::string describeWorld(const RecalibrateOptions& options, const Recalibration
                                              : "moved: " + moved;
   if (options.recalibration.world_frame)
     return what + "; the world origin is the board in frame " + std::to_string(found.calibration.world_frame);
-  return what + (found.world_kept ? "; the world is where it was, by " + still
-                                  : "; where the world was is not known");
+  return what + (found.world_kept ? "; the world is unchanged, defined by " + still
+                                  : "; the previous world is unknown");
 }
 
 void print(const RecalibrateOptions& options, const Recalibration& found) {
   const Calibration& calibration = found.calibration;
   std::vector<std::vector<std::string>> rows = {
-      {"camera", "moved", "turned", "views", "shared", "rms px before", "rms px"}};
+      {"camera", "moved", "rotated", "views", "shared", "rms px before", "rms px"}};
   for (std::size_t i = 0; i < found.changes.size(); ++i) {
     const CameraChange& change = found.changes[i];
     const CameraQuality& quality = calibration.cameras[i];
     rows.push_back(
-        {calibration.rig.cameras[i].name, change.moved ? fixed(change.moved_mm, 1) + " mm" : "as before",
+        {calibration.rig.cameras[i].name, change.moved ? fixed(change.moved_mm, 1) + " mm" : "unchanged",
          change.moved ? fixed(change.turned_deg, 2) + " deg" : "", std::to_string(quality.views),
          std::to_string(quality.shared_views), fixed(change.rms_px_before, 2), fixed(quality.rms_px, 2)});
   }
   if (options.printsMessages()) printTable(rows);
   printLine(options, describeWorld(options, found));
-  printLine(options, "reprojection error " + fixed(calibration.rms_px, 2) + " px RMS, with the old rig " +
-                         fixed(found.rms_px_before, 2) + " px; lengths on the board are off by " +
-                         describeScale(calibration));
+  printLine(options, "reprojection error " + fixed(calibration.rms_px, 2) + " px RMS, " +
+                         fixed(found.rms_px_before, 2) +
+                         " px with the old rig; error of lengths on the board " + describeScale(calibration));
   printLine(options, describeOutput(options));
 }
 

@@ -53,9 +53,9 @@ class Watcher {
       const bool bad =
           state == CameraState::kFrozen || state == CameraState::kLost || state == CameraState::kReconnecting;
       if (bad && !bad_[c])
-        printWarning("camera \"" + all[c].name + "\" is " + nameOf(state) +
-                     (all[c].fault.empty() ? "" : " (" + all[c].fault + ")") +
-                     "; nothing is recorded until it is back");
+        printWarning(
+            (all[c].fault.empty() ? "camera \"" + all[c].name + "\" is " + nameOf(state) : all[c].fault) +
+            "; recording pauses until it is back");
       if (!bad && bad_[c]) printWarning("camera \"" + all[c].name + "\" is back");
       bad_[c] = bad;
     }
@@ -115,13 +115,13 @@ std::optional<LiveSet> Recorder::nextComplete() {
     for (std::size_t c = 0; c < status.size(); ++c) missed_[c] += set->images[c].bgr.empty();
   }
   if (secondsBetween(last_complete_, Clock::now()) < kAwayS) return std::nullopt;
-  why_ = "no complete set has come for " + fixed(kAwayS, 0) + " s";
+  why_ = "no complete set for " + fixed(kAwayS, 0) + " s";
   for (const CameraStatus& one : status)
     if (one.state != CameraState::kLive && one.state != CameraState::kLate)
-      why_ = "camera \"" + one.name + "\" is " + nameOf(one.state) + " for " + fixed(kAwayS, 0) + " s";
+      why_ = "camera \"" + one.name + "\" has been " + nameOf(one.state) + " for " + fixed(kAwayS, 0) + " s";
   if (const std::optional<double> skew_s = cameras_.excessSkew())
-    why_ += ": the images are " + fixed(1000 * *skew_s, 1) + " ms apart, and " +
-            fixed(1000 * cameras_.maxSkew(), 1) + " are allowed (--max-skew-ms)";
+    why_ += ": the images are " + fixed(1000 * *skew_s, 1) + " ms apart, the limit is " +
+            fixed(1000 * cameras_.maxSkew(), 1) + " ms (--max-skew-ms)";
   return std::nullopt;
 }
 
@@ -207,15 +207,15 @@ Json Recorder::figures() const {
 
 std::string Recorder::summary() const {
   const Json all = figures();
-  std::string text = std::to_string(all["sets"].get<int>()) + " sets, " + fixed(all["hz"], 2) + " Hz, skew " +
-                     fixed(skewMs(false), 1) + " ms (worst " + fixed(skewMs(true), 1) + "), in " +
-                     options_.out;
+  std::string text = std::to_string(all["sets"].get<int>()) + " sets, " + fixed(all["hz"], 2) +
+                     " Hz, median skew " + fixed(skewMs(false), 1) + " ms (maximum " +
+                     fixed(skewMs(true), 1) + "), in " + options_.out;
   if (background_sets_ > 0) text += "; background of " + std::to_string(background_sets_) + " sets";
   std::string lost;
   for (const Json& camera : all["cameras"])
     if (const auto drops = camera["drops"].get<std::uint64_t>() + camera["missed"].get<std::uint64_t>())
       lost += (lost.empty() ? "" : ", ") + camera["name"].get<std::string>() + " " + std::to_string(drops);
-  text += lost.empty() ? "; nothing dropped" : "; dropped: " + lost;
+  text += lost.empty() ? "; no frames dropped" : "; frames dropped: " + lost;
   return text;
 }
 
@@ -246,8 +246,8 @@ void runRecord(const RecordOptions& options) {
                              : static_cast<int>(std::lround(options.background_s * cameras.slowestRateHz()));
   try {
     if (background > 0) {
-      printLine(options,
-                "recording the empty workspace: " + std::to_string(background) + " sets; keep out of it");
+      printLine(options, "recording the background: " + std::to_string(background) +
+                             " sets; keep out of the workspace");
       recorder.takeBackground(background);
     }
     if (options.seconds == 0) printLine(options, "recording; press Ctrl-C to stop");
@@ -266,8 +266,8 @@ void runRecord(const RecordOptions& options) {
   if (!fault.empty()) throw Error(fault);
   const int sets = recorder.figures()["sets"];
   if (!recorder.whyItEnded().empty())
-    throw Error(options.out + ": " + recorder.whyItEnded() + ": the recording ends with its " +
-                std::to_string(sets) + " sets, which can be read; check that the camera keeps running");
+    throw Error(options.out + ": " + recorder.whyItEnded() + ": the recording ends after " +
+                std::to_string(sets) + " sets, which are readable; check the camera and its connection");
   if (sets == 0)
     throw Error(options.out +
                 ": no set was recorded; expected running cameras, or files longer than the background");

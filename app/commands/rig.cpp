@@ -128,7 +128,7 @@ RigReport reportOn(const CheckOptions& options) {
   report.add(reading.errors);
   TakeInspection take;
   if (!options.take.empty()) {
-    const ProgressTask progress("looking at the recording", options.printsMessages());
+    const ProgressTask progress("reading the recording", options.printsMessages());
     take = inspectTake(options.take, reading.rig, {.background_frames = options.background_frames});
     report.add(take.findings);
   }
@@ -169,15 +169,15 @@ ordered_json jsonOf(const RigReport& report) {
   return object;
 }
 
-std::string percent(double share) {
-  return fixed(100 * share, 0) + " %";
+std::string percent(double fraction) {
+  return fixed(100 * fraction, 0) + " %";
 }
 
 void printReport(const RigReport& report) {
   if (report.figures) {
     std::vector<std::vector<std::string>> rows = {
-        {"CAMERA", "SIZE", "VIEW", "DISTANCE", "PIXELS/MM", "SEES OF CUBE"}};
-    if (!report.agreement.empty()) rows[0].push_back("SILHOUETTE EXPLAINED");
+        {"camera", "size", "field of view", "distance", "pixels/mm", "workspace seen"}};
+    if (!report.agreement.empty()) rows[0].push_back("silhouette explained");
     for (std::size_t i = 0; i < report.figures->cameras.size(); ++i) {
       const CameraMetrics& camera = report.figures->cameras[i];
       rows.push_back({camera.name, std::to_string(camera.width) + " x " + std::to_string(camera.height),
@@ -186,13 +186,14 @@ void printReport(const RigReport& report) {
       if (!report.agreement.empty()) rows.back().push_back(percent(report.agreement[i].explainedFraction()));
     }
     printTable(rows);
-    std::puts(("two cameras or more see " + percent(report.figures->seen_by_two_fraction) + " of the cube")
-                  .c_str());
+    std::puts(
+        ("at least two cameras see " + percent(report.figures->seen_by_two_fraction) + " of the workspace")
+            .c_str());
   }
   for (const RigDiagnostic& finding : report.findings) {
     const std::string whose = finding.camera.empty() ? "" : "camera \"" + finding.camera + "\": ";
     const std::string line =
-        (finding.severity == Severity::kError ? "fault: " : "suspicion: ") + whose + finding.message;
+        (finding.severity == Severity::kError ? "error: " : "warning: ") + whose + finding.message;
     std::puts(oneLine(line).c_str());
   }
   if (report.findings.empty()) std::puts("no problems found");
@@ -208,7 +209,7 @@ void runCheck(const CheckOptions& options, int& status) {
       std::find_if(report.findings.begin(), report.findings.end(),
                    [](const RigDiagnostic& finding) { return finding.severity == Severity::kError; });
   printWarning(diagnosticMessage(*first, report.where) +
-               (faults > 1 ? " (and " + counted(faults - 1, "more fault") + ")" : ""));
+               (faults > 1 ? " (and " + counted(faults - 1, "more error") + ")" : ""));
   status = static_cast<int>(Fault::kInput);
 }
 

@@ -26,9 +26,8 @@ class ClayFigures {
   std::string summary() const {
     if (penetration_mm_.empty()) return "the hand never touched the clay";
     return "the hand moved clay in " + std::to_string(penetration_mm_.size()) +
-           " frames; how deep it was still in the clay after each: " + fixed(median(penetration_mm_), 2) +
-           " mm in the median, " +
-           fixed(*std::max_element(penetration_mm_.begin(), penetration_mm_.end()), 2) + " mm at worst";
+           " frames; remaining penetration: median " + fixed(median(penetration_mm_), 2) + " mm, maximum " +
+           fixed(*std::max_element(penetration_mm_.begin(), penetration_mm_.end()), 2) + " mm";
   }
 
  private:
@@ -108,7 +107,7 @@ void SculptResults::printLine(const CommonOptions& options) const {
   for (const std::string& line : parts_->tracking.summary()) airclay::printLine(options, line);
   airclay::printLine(options, parts_->clay.summary());
   airclay::printLine(options, "surface.obj, cage.obj, poses.tum and images in " + sculpting.out.string() +
-                                  (sculpting.video ? ", the video " + sculpting.video->string() : ""));
+                                  (sculpting.video ? "; video " + sculpting.video->string() : ""));
 }
 
 void sculptHeadless(Gpu& gpu, const Session::Options& options, const Sculpting& sculpting,

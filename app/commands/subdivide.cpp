@@ -53,8 +53,8 @@ void runDeform(const DeformOptions& options) {
                {"control_points", cage.points.size()},
                {"data_points", surface.points.size()},
                {"farthest_from_target_m", farthest_m}});
-  printLine(options, std::to_string(moves.size()) + " moves; the surface ends within " +
-                         fixed(1000 * farthest_m, 3) + " mm of each; control points in " + options.cage_out +
+  printLine(options, std::to_string(moves.size()) + " moved data points; largest distance from the target " +
+                         fixed(1000 * farthest_m, 3) + " mm; control points in " + options.cage_out +
                          ", surface in " + options.out);
 }
 

@@ -82,18 +82,17 @@ std::vector<std::string> Tracking::summary() const {
                                     " tracked, " + std::to_string(lost_) + " lost, " +
                                     std::to_string(empty_) + " empty"};
   if (frameMs() > 0) {
-    std::string line =
-        fixed(frameMs(), 1) + " ms from pixels to result, " + fixed(1000 / frameMs(), 1) + " Hz (";
+    std::string line = fixed(frameMs(), 1) + " ms per frame, " + fixed(1000 / frameMs(), 1) + " Hz (";
     for (const auto& [name, ms] : stage_ms_) line += name + " " + fixed(median(ms), 1) + ", ";
-    lines.push_back(line + "decoding before it " + fixed(median(decode_ms_), 1) + ")");
+    lines.push_back(line + "plus decoding " + fixed(median(decode_ms_), 1) + ")");
   }
   if (!skew_ms_.empty())
-    lines.push_back("the cameras' times within a set differ by " + fixed(median(skew_ms_), 1) +
-                    " ms in the median, " + fixed(worst(skew_ms_), 1) + " ms at worst");
+    lines.push_back("skew between cameras: median " + fixed(median(skew_ms_), 1) + " ms, maximum " +
+                    fixed(worst(skew_ms_), 1) + " ms");
   if (!errors_mm_.empty())
-    lines.push_back("off the known truth by " + fixed(median(errors_mm_), 2) + " mm and " +
-                    fixed(median(errors_deg_), 2) + " degrees in the median, " + fixed(worst(errors_mm_), 2) +
-                    " mm and " + fixed(worst(errors_deg_), 2) + " degrees at worst");
+    lines.push_back("pose error: median " + fixed(median(errors_mm_), 2) + " mm and " +
+                    fixed(median(errors_deg_), 2) + " degrees, maximum " + fixed(worst(errors_mm_), 2) +
+                    " mm and " + fixed(worst(errors_deg_), 2) + " degrees");
   return lines;
 }
 

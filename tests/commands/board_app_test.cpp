@@ -54,7 +54,7 @@ TEST(BoardApp, ReportsPrintingAndReadability) {
   const RunResult result = runAirclay(boardCommand(file, {"--resolution", "640x480", "--distance", "1.1"}));
   EXPECT_EQ(result.status, 0) << result.errors;
   EXPECT_TRUE(contentOf(file).starts_with("%PDF-"));
-  for (const char* arguments : {"5 x 3 squares of 54 mm", "100 %", "100 mm", "3.4 pixels: it will be read"})
+  for (const char* arguments : {"5 x 3 squares of 54 mm", "100 %", "100 mm", "3.4 pixels wide: readable"})
     EXPECT_NE(result.output.find(arguments), std::string::npos) << arguments << "\n" << result.output;
   EXPECT_EQ(runAirclay(boardCommand(file, {"--quiet"})).output, "");
 }

@@ -145,7 +145,7 @@ TEST(DocumentApp, RefineIsAnEdit) {
   EXPECT_TRUE(sameClay(Document::open(file).state(), refine(tubeState())));
   EXPECT_EQ(historyOf(file)["entries"][1]["name"], "Refine");
   const std::string finer = outputOf({"refine", file});
-  EXPECT_NE(finer.find("364 control points at level 1, from 98 at level 1; the surface is one step finer"),
+  EXPECT_NE(finer.find("364 control points at level 1, from 98 at level 1; the surface is one level finer"),
             std::string::npos)
       << finer;
   outputOf({"refine", file});

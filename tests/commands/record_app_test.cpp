@@ -145,8 +145,8 @@ TEST(RecordApp, LostCameraLeavesAReadableTake) {
   far.reset();
   ASSERT_EQ(program.waitForExit(), 1);
   const std::string errors = contentOf(folder / "errors");
-  EXPECT_NE(errors.find("camera \"far\" is "), std::string::npos) << errors;
-  EXPECT_NE(errors.find("sets, which can be read"), std::string::npos) << errors;
+  EXPECT_NE(errors.find("camera \"far\" has been "), std::string::npos) << errors;
+  EXPECT_NE(errors.find("sets, which are readable"), std::string::npos) << errors;
   Rig rig = ringRig(2, 64, 48);
   rig.cameras[0].name = "near";
   rig.cameras[1].name = "far";
