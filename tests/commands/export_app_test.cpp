@@ -37,8 +37,7 @@ TEST_F(ExportApp, ReportsWhetherThePartIsPrintable) {
   EXPECT_NE(closed.output.find("watertight, 8000.0 cm3"), std::string::npos) << closed.output;
   const RunResult open = runAirclay({"export", "tube", "--out", at("tube.stl")});
   EXPECT_EQ(open.status, 0) << open.errors;
-  EXPECT_NE(open.output.find("56 open edges: cannot be 3D-printed"), std::string::npos)
-      << open.output;
+  EXPECT_NE(open.output.find("56 open edges: cannot be 3D-printed"), std::string::npos) << open.output;
   EXPECT_EQ(facesIn(at("tube.stl")), 672u);  // 336 quads
 }
 
