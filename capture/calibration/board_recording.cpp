@@ -250,8 +250,8 @@ void BoardRecording::Parts::failUnseen(const Board& board) {
       folder.string() + ": no camera saw " + describeBoard(board) + "; " +
       (seen.empty()
            ? "expected the recorded board (--squares, --dictionary, --invert), large enough and well lit"
-           : "there are " + seen +
-                 ": --dictionary, --squares, --invert and --chessboard say which board it is"));
+           : "the images show " + seen +
+                 "; describe the board with --dictionary, --squares, --invert or --chessboard"));
 }
 
 namespace {
