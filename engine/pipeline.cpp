@@ -5,13 +5,16 @@
 
 #include "engine/core/clock.h"
 #include "engine/core/error.h"
+#include "engine/hand/robust_tracker.h"
 #include "engine/hand/tracker.h"
 
 namespace airclay {
 
 HandState FrameResult::state() const {
   if (hands.empty()) return HandState::kEmpty;
-  return trackedHand() ? HandState::kTracked : HandState::kLost;
+  const HandFit* hand = trackedHand();
+  if (!hand) return HandState::kLost;
+  return hand->uncertain ? HandState::kUncertain : HandState::kTracked;
 }
 
 const HandFit* FrameResult::trackedHand() const {
@@ -29,6 +32,7 @@ struct Pipeline::Parts {
   Parts(Gpu& gpu_, const Rig& rig, const HandModel& hand_model, const PipelineOptions& options,
         const std::optional<ClayState>& clay_state)
       : gpu(gpu_),
+        method(options.silhouettes),
         camera_timing(gpu, options.time_every),
         replay_timing(gpu, options.time_every),
         hand(hand_model),
@@ -37,12 +41,17 @@ struct Pipeline::Parts {
         silhouettes(gpu, gpu_rig),
         carver(gpu, gpu_rig, options.voxels),
         tracker(gpu, gpu_rig, hand, carver),
+        is_robust(options.fit == FitMethod::kRobust),
         replay_hands(gpu, kMaxHands, Memory::kHost),
         recorder(gpu) {
+    if (is_robust || method == SilhouetteMethod::kRoom)
+      robust = std::make_unique<RobustTracker>(gpu, gpu_rig, hand);
+    if (is_robust) mask_images = std::make_unique<MaskImages>(gpu, gpu_rig);
     if (clay_state) setClay(prepareClay(*clay_state));
   }
 
   Gpu& gpu;
+  SilhouetteMethod method;
   TimingPlan camera_timing, replay_timing;
   HandModel hand;
   GpuRig gpu_rig;
@@ -50,6 +59,10 @@ struct Pipeline::Parts {
   Silhouettes silhouettes;
   Carver carver;
   HandTracker tracker;
+  bool is_robust;
+  std::unique_ptr<RobustTracker> robust;    ///< also has the evidence for room silhouettes
+  std::unique_ptr<MaskImages> mask_images;  ///< what the robust fit uses in place of images
+  bool masks_are_background = false;        ///< the evidence's background is that of mask_images
   std::unique_ptr<Clay> clay;
   std::unique_ptr<Sculptor> sculptor;
   std::optional<DistanceGrid> contact_grid;  ///< of the hand, once there is clay
@@ -83,22 +96,39 @@ struct Pipeline::Parts {
     for (std::uint32_t camera = 0; background_changed && camera < gpu_rig.cameraCount(); ++camera) {
       recorder.begin();
       silhouettes.finishLearning(recorder, {camera, 1});
+      if (robust) robust->recordBackground(recorder, silhouettes.model(), {camera, 1});
       recorder.submitAndWait();
     }
+    if (background_changed) masks_are_background = false;
     background_changed = false;
   }
 
+  void checkLearned() const {
+    if (!silhouettes.learned())
+      throw Error("the empty workspace has not been learned; provide background images or empty first frames");
+  }
+
   /// From images, or from masks that are already uploaded, to the voxel model.
-  void recordHull(bool from_images, std::uint32_t missing_cameras = 0) {
+  void recordHull(bool from_images, const FrameInput& input) {
     if (from_images) {
-      if (!silhouettes.learned())
-        throw Error(
-            "the empty workspace has not been learned; provide background images or empty first frames");
+      checkLearned();
       recorder.stage("silhouette");
-      silhouettes.record(recorder, images);
+      if (method == SilhouetteMethod::kRoom) {
+        robust->recordWholeEvidence(recorder, frameOf(from_images, input));
+        robust->evidence().recordMasks(recorder, silhouettes.masks());
+      } else {
+        silhouettes.record(recorder, images);
+      }
     }
     recorder.stage("carve");
-    carver.record(recorder, silhouettes.masks(), missing_cameras);
+    carver.record(recorder, silhouettes.masks(), input.missing_cameras);
+  }
+
+  /// What the robust tracker uses: the images, or masks as images.
+  RobustTracker::Frame frameOf(bool from_images, const FrameInput& input) const {
+    const bool masks = !from_images || method == SilhouetteMethod::kPaper;
+    return {masks ? mask_images->images() : images, masks ? mask_images->background() : silhouettes.model(),
+            input.missing_cameras, input.camera_times_s};
   }
 
   /// From the voxel model to the new surface.
@@ -129,6 +159,7 @@ struct Pipeline::Parts {
   /// controls, skips the clay.
   FrameResult process(bool from_images, const std::optional<SculptControls>& controls,
                       const FrameInput& input = {}) {
+    if (is_robust) return processRobust(from_images, controls, input);
     FrameResult result;
     const auto start = Clock::now();
     if (controls) setHandSource(false);
@@ -136,7 +167,7 @@ struct Pipeline::Parts {
     if (from_images) finishBackground();
     const Timing timing = camera_timing.next();
     recorder.begin(timing);
-    recordHull(from_images, input.missing_cameras);
+    recordHull(from_images, input);
     if (following) recordHandAndClay(controls);
     submit(result);
 
@@ -152,6 +183,79 @@ struct Pipeline::Parts {
       }
     }
     if (fit.tracked || !tracker.isEmpty()) result.hands.push_back(std::move(fit));
+    if (controls) finishClay(result);
+    result.frame_ms = millisecondsSince(start);
+    return result;
+  }
+
+  /// The background of what the tracker uses changes from images to masks or back.
+  void useBackground(bool masks) {
+    if (masks == masks_are_background) return;
+    recorder.begin(Timing::kNone);
+    robust->recordBackground(recorder, masks ? mask_images->background() : silhouettes.model(), {});
+    recorder.submitAndWait();
+    masks_are_background = masks;
+    robust->forget();
+  }
+
+  /// Masks for the hull, and their evidence.
+  void recordSilhouettes(bool from_images, const FrameInput& input, bool whole) {
+    recorder.stage("silhouette");
+    const bool is_room = from_images && method == SilhouetteMethod::kRoom;
+    if (from_images && !is_room) silhouettes.record(recorder, images);
+    if (!is_room) mask_images->record(recorder, silhouettes.masks());
+    if (whole) robust->recordWholeEvidence(recorder, frameOf(from_images, input));
+    else robust->recordEvidence(recorder, frameOf(from_images, input));
+    if (is_room) robust->evidence().recordMasks(recorder, silhouettes.masks());
+    recorder.stage("carve");
+    carver.record(recorder, silhouettes.masks(), input.missing_cameras);
+  }
+
+  void recordRobustFit(const RobustTracker::Frame& frame, const std::optional<SculptControls>& controls) {
+    recorder.stage("fit");
+    robust->recordTracking(recorder, frame);
+    if (controls) recordClay(robust->hands(), *controls);
+  }
+
+  /// The same with the robust fit.
+  FrameResult processRobust(bool from_images, const std::optional<SculptControls>& controls,
+                            const FrameInput& input) {
+    FrameResult result;
+    const auto start = Clock::now();
+    if (controls) setHandSource(false);
+    if (from_images) {
+      finishBackground();
+      checkLearned();
+    }
+    useBackground(!from_images || method == SilhouetteMethod::kPaper);
+    const RobustTracker::Frame frame = frameOf(from_images, input);
+    const Timing timing = camera_timing.next();
+    HandFit fit;
+    bool is_empty = false;
+    if (robust->hasPose()) {
+      recorder.begin(timing);
+      recordSilhouettes(from_images, input, false);
+      recordRobustFit(frame, controls);
+      submit(result);
+      fit = robust->finish();
+    }
+    if (!fit.tracked) {
+      robust->beginSearch();
+      recorder.begin(timing);
+      recordSilhouettes(from_images, input, true);
+      submit(result);
+      result.searched = robust->search(recorder, frame, result.stage_ms);
+      is_empty = !result.searched;
+      if (result.searched) {
+        recorder.begin(timing);
+        recorder.stage("silhouette");
+        robust->recordEvidence(recorder, frame);
+        recordRobustFit(frame, controls);
+        submit(result);
+        fit = robust->finish();
+      }
+    }
+    if (!is_empty) result.hands.push_back(std::move(fit));
     if (controls) finishClay(result);
     result.frame_ms = millisecondsSince(start);
     return result;
@@ -185,7 +289,7 @@ struct Pipeline::Parts {
 
   void finishClay(FrameResult& result) {
     if (!sculptor) return;
-    if (!result.trackedHand()) {
+    if (result.state() != HandState::kTracked) {
       sculptor->forget();
       return;
     }
@@ -205,7 +309,7 @@ struct Pipeline::Parts {
   void hull(bool from_images, const FrameInput& input) {
     if (from_images) finishBackground();
     recorder.begin(Timing::kNone);
-    recordHull(from_images, input.missing_cameras);
+    recordHull(from_images, input);
     recorder.submitAndWait();
   }
 };
@@ -274,6 +378,7 @@ void Pipeline::hullFromSilhouettes(const std::vector<Silhouette>& masks, const F
 
 void Pipeline::resetTracking() {
   parts_->tracker.forget();
+  if (parts_->robust) parts_->robust->forget();
   if (parts_->sculptor) parts_->sculptor->forget();
 }
 

@@ -25,14 +25,29 @@
 
 namespace airclay {
 
+/// How silhouettes come from images.
+enum class SilhouetteMethod {
+  kRoom,   ///< probabilities that survive a real room (silhouette/evidence.h)
+  kPaper,  ///< the largest part that differs from the background (silhouette/silhouette.h)
+};
+
+/// How the hand is fitted.
+enum class FitMethod {
+  kRobust,  ///< its outline in the images (hand/robust_tracker.h)
+  kPaper,   ///< forces on the patches outside the voxel model, as published (hand/tracker.h)
+};
+
 struct PipelineOptions {
   int voxels = 128;    ///< along the workspace's edge
+  SilhouetteMethod silhouettes = SilhouetteMethod::kRoom;
+  FitMethod fit = FitMethod::kRobust;
   int time_every = 0;  ///< time the stages of one frame in this many (TimingPlan)
 };
 
 enum class HandState {
   kEmpty,  ///< too little in the images to be a hand
   kTracked,
+  kUncertain,  ///< there is a pose, but it is not to be trusted for sculpting
   kLost,  ///< there is something, but no pose fits it
 };
 
@@ -53,7 +68,7 @@ struct FrameResult {
   StageTimes stage_ms;
 
   HandState state() const;
-  /// The first hand that is tracked, or null.
+  /// The first hand that is tracked, uncertain or not, or null.
   const HandFit* trackedHand() const;
 };
 

@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Output paths, checked before work starts; and the hand options.
+// Output paths, checked before work starts.
 #pragma once
 
 #include <filesystem>
-
-namespace CLI {
-class App;
-}
 
 namespace airclay {
 
@@ -15,11 +11,5 @@ void checkWritable(const std::filesystem::path& file);
 
 /// Creates the folder if it does not exist. \throw Error if that fails or the folder is not writable.
 void makeFolder(const std::filesystem::path& folder);
-
-/// --hand and --fit.
-void addHandOption(CLI::App& command, std::string& hand);
-void addFitOption(CLI::App& command, std::string& fit);
-/// \throw Error (Fault::kUsage) unless the fit exists.
-void checkFit(const std::string& fit);
 
 }  // namespace airclay

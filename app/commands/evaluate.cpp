@@ -7,6 +7,7 @@
 
 #include "app/cli/command.h"
 #include "app/cli/output_paths.h"
+#include "app/session/fit_options.h"
 #include "app/session/take_options.h"
 #include "app/session/take_tracking.h"
 #include "capture/takes/evaluation_plot.h"
@@ -21,7 +22,8 @@ using nlohmann::ordered_json;
 struct EvaluateOptions : CommonOptions {
   std::vector<std::string> takes;
   TakeInputOptions reading;
-  std::string hand = "right", fit = "paper", out = "out/evaluate";
+  FitOptions fit;
+  std::string hand = "right", out = "out/evaluate";
 };
 
 /// The last part of the take's path; a number tells takes with equal names apart.
@@ -44,6 +46,7 @@ EvaluatedFrame evaluatedFrame(const PlayedFrame& frame, const Pose& truth) {
   EvaluatedFrame evaluated{frame.frame, frame.time_s, std::nullopt, false, truth};
   if (const HandFit* fit = frame.result.trackedHand(); fit && fit->pose.world_from_hand.matrix().allFinite())
     evaluated.estimate = fit->pose.world_from_hand;
+  evaluated.is_uncertain = frame.result.state() == HandState::kUncertain;
   return evaluated;
 }
 
@@ -108,7 +111,6 @@ void printEvaluations(const std::vector<std::string>& names, const std::vector<E
 }
 
 void runEvaluate(const EvaluateOptions& options) {
-  checkFit(options.fit);
   checkVoxels(options.voxels);
   std::vector<Truth> truths;
   for (const std::string& take : options.takes) truths.push_back(readTruth(take));
@@ -126,7 +128,7 @@ void runEvaluate(const EvaluateOptions& options) {
     Take take = input.open();
     takes.push_back(trackWithTruth(gpu, take, truths[i],
                                    {.hand = hand,
-                                    .pipeline = {options.voxels},
+                                    .pipeline = options.fit.pipeline(options.voxels),
                                     .label = names[i],
                                     .shows_progress = options.printsMessages()}));
     if (takes[i].empty())
@@ -159,7 +161,7 @@ void addEvaluate(CLI::App& program, int&) {
       ->required();
   addTakeReadingOptions(*command, options->reading);
   addHandOption(*command, options->hand);
-  addFitOption(*command, options->fit);
+  addFitOptions(*command, options->fit);
   command
       ->add_option("--out", options->out, "output folder for the error plots, TAKE.png each [out/evaluate]")
       ->type_name("DIR");

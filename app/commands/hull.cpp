@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/cli/command.h"
+#include "app/session/fit_options.h"
 #include "app/session/take_options.h"
 #include "capture/takes/player.h"
 #include "engine/mesh/mesh_file.h"
@@ -16,7 +17,7 @@ namespace {
 struct HullOptions : CommonOptions {
   TakeInputOptions take;
   int frame = 0;
-  std::string out;
+  std::string out, silhouettes = "room";
 };
 
 std::vector<Eigen::Vector3f> occupiedCentres(const VoxelGrid& grid, const Workspace& workspace) {
@@ -33,7 +34,8 @@ void runHull(const HullOptions& options) {
   Take take = options.take.open();
   CommandGpu gpu(options);
   // Pipeline needs a hand model, although no hand is tracked here.
-  Pipeline pipeline(gpu, take.rig(), builtInHand(false), {options.voxels});
+  Pipeline pipeline(gpu, take.rig(), builtInHand(false),
+                    {.voxels = options.voxels, .silhouettes = silhouetteMethod(options.silhouettes), .fit = FitMethod::kPaper});
   Player(take, pipeline).computeHull(options.frame);
 
   const std::vector<Eigen::Vector3f> points =
@@ -53,6 +55,7 @@ void addHull(CLI::App& program, int&) {
       program.add_subcommand("hull", "carve the visual hull of one frame and write it as points");
   const auto options = std::make_shared<HullOptions>();
   addTakeOptions(*command, options->take);
+  addSilhouettesOption(*command, options->silhouettes);
   command->add_option("--frame", options->frame, "frame index, from 0, including the background frames")
       ->type_name("N")
       ->required();

@@ -41,7 +41,8 @@ std::optional<Vec2> centroidOf(const Silhouette& mask) {
 /// The motion that each camera saw, on its own clock.
 std::vector<MotionSeries> motionIn(const OffsetsOptions& options, Take& take) {
   CommandGpu gpu(options);
-  Pipeline pipeline(gpu, take.rig(), builtInHand(false), {options.voxels});
+  Pipeline pipeline(gpu, take.rig(), builtInHand(false),
+                    {options.voxels, SilhouetteMethod::kPaper, FitMethod::kPaper});
   Player player(take, pipeline);
   std::vector<MotionSeries> series(take.rig().cameras.size());
   Progress progress("tracking the hand", take.frameCount(), options.printsMessages());

@@ -10,6 +10,7 @@
 #include "app/cli/camera_options.h"
 #include "app/cli/clay_options.h"
 #include "app/cli/output_paths.h"
+#include "app/session/fit_options.h"
 #include "app/commands/sculpting.h"
 #include "app/session/take_options.h"
 #include "app/session/temporary_document.h"
@@ -30,7 +31,8 @@ struct SculptOptions : CommonOptions {
   TakeInputOptions take;
   CageOptions cage_options;
   ClayOptions clay_options;
-  std::string hand = "right", fit = "paper", clay = "tube", out = "out/sculpt", video;
+  FitOptions fit;
+  std::string hand = "right", clay = "tube", out = "out/sculpt", video;
   std::optional<Vec3> place;  ///< world, metres
   double size_m = 0;          ///< 0: unchanged
   std::string rig, save, log, tool, symmetry;
@@ -156,7 +158,7 @@ Job jobFor(const SculptOptions& options, Recording* recording, const Rig& rig) {
   job.session.recording = recording;
   job.session.rig = rig;
   job.session.hand = job.sculpting.hand;
-  job.session.voxels = options.voxels;
+  job.session.pipeline = options.fit.pipeline(options.voxels);
   job.session.hand_name = options.hand;
   job.session.record = options.record;
   return job;
@@ -283,7 +285,6 @@ void acceptDocumentAsTake(SculptOptions& options, bool clay_given) {
 
 void runSculpt(const SculptOptions& options) {
   if (!options.rig.empty() || options.cameras.given()) return sculptLive(options);
-  checkFit(options.fit);
   checkVoxels(options.voxels);
   if (options.take.folder.empty())
     sculptByMouse(options);
@@ -363,7 +364,7 @@ void addSculpt(CLI::App& program, int&) {
   addSubdivisionOptions(*command, options->clay_options);
   addSolveOption(*command, options->clay_options);
   addHandOption(*command, options->hand);
-  addFitOption(*command, options->fit);
+  addFitOptions(*command, options->fit);
   command->add_flag("--headless", options->headless, "run without a window");
   command->add_option("--save", options->save, "document to save every stroke in")->type_name("FILE.clay");
   command

@@ -6,6 +6,7 @@
 
 #include "app/cli/command.h"
 #include "app/cli/output_paths.h"
+#include "app/session/fit_options.h"
 #include "app/session/take_options.h"
 #include "app/session/take_tracking.h"
 #include "app/session/tracking_summary.h"
@@ -16,11 +17,11 @@ namespace {
 
 struct TrackOptions : CommonOptions {
   TakeInputOptions take;
-  std::string poses, hand = "right", fit = "paper";
+  std::string poses, hand = "right";
+  FitOptions fit;
 };
 
 void runTrack(const TrackOptions& options) {
-  checkFit(options.fit);
   checkVoxels(options.voxels);
   checkWritable(options.poses);
   Take take = options.take.open();
@@ -28,7 +29,7 @@ void runTrack(const TrackOptions& options) {
   CommandGpu gpu(options);
   Tracking tracking;
   trackTake(gpu, take,
-            {.hand = hand, .pipeline = {options.voxels}, .shows_progress = options.printsMessages()},
+            {.hand = hand, .pipeline = options.fit.pipeline(options.voxels), .shows_progress = options.printsMessages()},
             [&](const PlayedFrame& frame) { tracking.add(frame, &take); });
   writePoses(options.poses, tracking.poses());
   if (options.json) printJson(tracking.json());
@@ -37,24 +38,6 @@ void runTrack(const TrackOptions& options) {
 }
 
 }  // namespace
-
-void addHandOption(CLI::App& command, std::string& hand) {
-  command
-      .add_option("--hand", hand,
-                  "hand model: right (default), left, or a skinned glTF binary with WebXR joint names")
-      ->type_name("right|left|FILE.glb");
-}
-
-void addFitOption(CLI::App& command, std::string& fit) {
-  command.add_option("--fit", fit, "hand-fitting method: paper (default), as published")
-      ->check(CLI::IsMember({"paper", "robust"}).description(""))
-      ->type_name("FIT");
-}
-
-void checkFit(const std::string& fit) {
-  if (fit != "paper")
-    throw Error("--fit " + fit + " does not exist yet; --fit paper is the only one", Fault::kUsage);
-}
 
 void addTrack(CLI::App& program, int&) {
   CLI::App* command = program.add_subcommand("track", "track the hand in a recording and write its poses");
@@ -67,7 +50,7 @@ void addTrack(CLI::App& program, int&) {
       ->type_name("OUT.tum")
       ->required();
   addHandOption(*command, options->hand);
-  addFitOption(*command, options->fit);
+  addFitOptions(*command, options->fit);
   addCommonOptions(*command, *options, Uses::kDeviceAndVoxels, true);
   command->footer("Example:\n  airclay track TAKE --poses hand.tum --json");
   command->callback([options] { runTrack(*options); });

@@ -32,6 +32,8 @@ TrackingState trustIn(const FrameResult& result) {
       return TrackingState::kNoHand;
     case HandState::kLost:
       return TrackingState::kLost;
+    case HandState::kUncertain:
+      return TrackingState::kUncertain;
     case HandState::kTracked:
       break;
   }
@@ -53,7 +55,7 @@ std::size_t bytesOf(const FrameSet& set) {
 Session::Session(Gpu& gpu, const Options& options, Document document)
     : gpu_(gpu),
       options_(options),
-      pipeline_(gpu, options.rig, options.hand, {options.voxels}, document.state()),
+      pipeline_(gpu, options.rig, options.hand, options.pipeline, document.state()),
       document_(std::move(document)),
       clay_structure_(document_.state()),
       strokes_(document_),

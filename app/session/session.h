@@ -106,7 +106,7 @@ class Session {
     Recording* recording = nullptr;  ///< null: the mouse hand; must outlive the session
     Rig rig;
     HandModel hand;
-    int voxels = 128;
+    PipelineOptions pipeline;
     std::string hand_name = "right";  ///< or left, or its file; stored in recordings
     std::filesystem::path record;     ///< new folder to record to, from the first frame on
     SessionSettings settings;         ///< until set() is called

@@ -40,6 +40,7 @@ void Tracking::add(const PlayedFrame& frame, const Recording* recording) {
     return;
   }
   ++tracked_;
+  uncertain_ += result.state() == HandState::kUncertain;
   const Pose& pose = result.trackedHand()->pose.world_from_hand;
   poses_.push_back({frame.time_s, pose});
   if (!recording || !recording->truth()) return;
@@ -58,6 +59,7 @@ nlohmann::ordered_json Tracking::json() const {
   for (const auto& [name, ms] : stage_ms_) stages[name] = median(ms);
   nlohmann::ordered_json object = {{"frames", frames_},
                                    {"tracked", tracked_},
+                                   {"uncertain", uncertain_},
                                    {"lost", lost_},
                                    {"empty", empty_},
                                    {"stage_ms", stages},
@@ -79,7 +81,7 @@ nlohmann::ordered_json Tracking::json() const {
 
 std::vector<std::string> Tracking::summary() const {
   std::vector<std::string> lines = {std::to_string(frames_) + " frames: " + std::to_string(tracked_) +
-                                    " tracked, " + std::to_string(lost_) + " lost, " +
+                                    " tracked, " + std::to_string(uncertain_) + " of them uncertain, " + std::to_string(lost_) + " lost, " +
                                     std::to_string(empty_) + " empty"};
   if (frameMs() > 0) {
     std::string line = fixed(frameMs(), 1) + " ms per frame, " + fixed(1000 / frameMs(), 1) + " Hz (";

@@ -29,7 +29,7 @@ class Tracking {
  private:
   double frameMs() const;
 
-  int frames_ = 0, tracked_ = 0, lost_ = 0, empty_ = 0;
+  int frames_ = 0, tracked_ = 0, uncertain_ = 0, lost_ = 0, empty_ = 0;
   std::vector<double> frame_ms_, decode_ms_, skew_ms_, errors_mm_, errors_deg_;
   std::vector<std::pair<std::string, std::vector<double>>> stage_ms_;  ///< in pipeline order
   std::vector<TimedPose> poses_;

@@ -27,7 +27,10 @@ struct HandFit {
   int iterations = 0;
   double outside_m = 0;         ///< mean distance of the patches outside the voxel model, weighted by area
   double outside_fraction = 1;  ///< fraction of the skin's patches that are outside the voxel model
-  bool tracked = false;         ///< the pose is plausible: the voxel model contains the hand
+  bool tracked = false;         ///< the pose is plausible
+  bool uncertain = false;       ///< tracked, but not to be trusted for sculpting
+  double agreement = 0;         ///< fraction of the outline that the images confirm (robust fit)
+  double scale = 1;             ///< of the hand relative to its model
 };
 
 /// A hand model for the fit: patches relative to the centre of mass of the solid hand.

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: MIT
+#include "engine/hand/robust_tracker.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "shaders/hand/outline_judge.comp.h"
+
+namespace airclay {
+namespace {
+
+constexpr double kFrame_s = 1.0 / 30;  // where frames have no times
+// A longer gap, or a hand that would have moved farther than this, leaves the motion unknown.
+constexpr double kLongestGap_s = 0.2;
+constexpr double kFastest_m_s = 3, kFastest_rad_s = 30;
+
+// Following with a known motion, after a search, and refining a candidate of the search. Reach and spread in
+// pixels of an image 640 pixels wide.
+constexpr OutlineStage kFollow[] = {{3, false, 24, 10}, {2, false, 10, 4}, {3, true, 0, 0}};
+constexpr OutlineStage kCatch[] = {{5, false, 40, 20}, {4, false, 20, 8}, {3, false, 10, 4}, {3, true, 0, 0}};
+constexpr OutlineStage kRefine[] = {{6, false, 40, 20}, {4, false, 20, 8}, {3, false, 10, 4}, {2, true, 0, 0}};
+constexpr std::size_t kCandidates = 6;
+
+// Evidence around the projected hand, pixels of an image 640 pixels wide.
+constexpr double kFollowMargin = 40, kCatchMargin = 90;
+constexpr int kUncertainLimit = 3;  // frames, then the hand is searched for
+// Weight of new colours while one camera learns per frame.
+constexpr double kLearningRate = 0.4;
+
+}  // namespace
+
+RobustTracker::RobustTracker(Gpu& gpu, const GpuRig& rig, const HandModel& hand)
+    : rig_(rig),
+      fitter_(gpu, rig, outlineModel(hand)),
+      evidence_(gpu, rig),
+      search_(gpu, rig, fitter_.model()),
+      judge_(gpu, "outline_judge", outline_judge_comp),
+      hands_(gpu, kMaxHands, Memory::kHost) {
+  std::ranges::fill(hands_.host(), noHandPose());
+}
+
+void RobustTracker::forget() {
+  has_pose_ = false;
+  frames_ = 0;
+  uncertain_frames_ = 0;
+}
+
+HandPoseFrame RobustTracker::poseFrame() const {
+  return {fitter_.model().center_of_mass, rig_.rig().workspace.center};
+}
+
+void RobustTracker::recordBackground(Recorder& recorder, const Buffer<std::uint32_t>& model,
+                                     const CameraRange& cameras) {
+  evidence_.recordBackground(recorder, model, cameras);
+}
+
+double RobustTracker::timeOf(const Frame& frame) const {
+  if (frame.camera_times_s.empty()) return clock_ * kFrame_s;
+  double sum = 0;
+  for (const double time : frame.camera_times_s) sum += time;
+  return sum / double(frame.camera_times_s.size());
+}
+
+GpuOutlineFrame RobustTracker::outlineFrame(const Frame& frame) const {
+  GpuOutlineFrame result = fitter_.frame();
+  result.cameras &= ~frame.missing_cameras;
+  result.velocity = velocity_.cast<float>();
+  result.spin = spin_.cast<float>();
+  const double time = timeOf(frame);
+  for (std::size_t k = 0; k < frame.camera_times_s.size(); ++k)
+    result.seconds[k] = static_cast<float>(frame.camera_times_s[k] - time);
+  return result;
+}
+
+GpuOutlinePose RobustTracker::expected(const Frame& frame) const {
+  return movedPose(last_, outlineFrame(frame), timeOf(frame) - last_time_s_);
+}
+
+std::vector<GpuTileRegion> RobustTracker::regionsAround(const GpuOutlinePose& pose,
+                                                        const GpuOutlineFrame& frame) const {
+  std::vector<GpuTileRegion> regions;
+  for (std::size_t k = 0; k < rig_.cameraCount(); ++k) {
+    const Camera& camera = rig_.rig().cameras[k];
+    GpuTileRegion& region = regions.emplace_back();
+    region = {{0, 0}, {0, 0}};
+    if ((frame.cameras >> k & 1) == 0) continue;
+    const GpuOutlinePose own = movedPose(pose, frame, frame.seconds[k]);
+    const Mat3 turn = own.scale * rotationOf(own);
+    Eigen::AlignedBox2d box;
+    for (const vec3& vertex : fitter_.model().vertices) {
+      const Vec3 world =
+          rig_.rig().workspace.center + own.position.cast<double>() + turn * vertex.cast<double>();
+      if (const auto pixel = projectThroughLens(camera.lens, camera.camera_from_world * world))
+        box.extend(*pixel);
+    }
+    if (box.isEmpty()) continue;
+    const double margin = (frames_ >= 2 ? kFollowMargin : kCatchMargin) * camera.width / 640;
+    box.min().array() -= margin;
+    box.max().array() += margin;
+    region = evidence_.regionAround(k, box);
+  }
+  return regions;
+}
+
+void RobustTracker::recordEvidence(Recorder& recorder, const Frame& frame) {
+  evidence_.record(recorder, frame.images, frame.background,
+                   regionsAround(expected(frame), outlineFrame(frame)));
+}
+
+void RobustTracker::recordWholeEvidence(Recorder& recorder, const Frame& frame) {
+  std::vector<GpuTileRegion> regions;
+  for (std::size_t k = 0; k < rig_.cameraCount(); ++k) {
+    regions.push_back(evidence_.wholeImage(k));
+    if ((frame.missing_cameras >> k & 1) != 0) regions.back() = {{0, 0}, {0, 0}};
+  }
+  evidence_.record(recorder, frame.images, frame.background, regions);
+}
+
+void RobustTracker::recordFit(Recorder& recorder, const Frame& frame, const GpuOutlinePose& start,
+                              std::span<const OutlineStage> stages) {
+  fitter_.record(recorder, outlineFrame(frame), start, stages, evidence_, frame.images, frame.background, {});
+}
+
+void RobustTracker::recordTracking(Recorder& recorder, const Frame& frame) {
+  frame_time_s_ = timeOf(frame);
+  if (frames_ >= 2) recordFit(recorder, frame, expected(frame), kFollow);
+  else recordFit(recorder, frame, expected(frame), kCatch);
+  OutlineJudgeArgs judge{};
+  judge.fit = fitter_.resultBuffer();
+  judge.hand = hands_;
+  judge.cameras = rig_.cameraCount();
+  recorder.dispatch(judge_, judge, 1);
+  // one camera learns per frame
+  for (std::uint32_t i = 0; i < rig_.cameraCount(); ++i) {
+    next_camera_ = (next_camera_ + 1) % rig_.cameraCount();
+    if ((frame.missing_cameras >> next_camera_ & 1) == 0) break;
+  }
+  if (uncertain_frames_ == 0)
+    evidence_.recordLearning(recorder, next_camera_, fitter_.masks(), fitter_.forearms(), kLearningRate);
+}
+
+void RobustTracker::beginSearch() {
+  forget();
+  velocity_.setZero();
+  spin_.setZero();
+  evidence_.forgetColours();  // they may be those of something else
+}
+
+bool RobustTracker::search(Recorder& recorder, const Frame& frame, StageTimes& stage_ms) {
+  const GpuOutlineFrame outline_frame = outlineFrame(frame);
+  const double scale = last_.scale > 0 ? last_.scale : 1;
+  std::vector<ScoredPose> candidates =
+      search_.candidates(recorder, evidence_, outline_frame, scale, kCandidates, stage_ms);
+  if (candidates.empty()) return false;
+  std::vector<GpuOutlinePose> poses;
+  for (const ScoredPose& candidate : candidates) {
+    recorder.begin();
+    recorder.stage("fit");
+    recordFit(recorder, frame, candidate.pose, kRefine);
+    recorder.submitAndWait();
+    addStages(recorder.stageMs(), stage_ms);
+    poses.push_back(fitter_.result().pose);
+  }
+  const std::vector<double> scores = search_.scores(recorder, outline_frame, poses, stage_ms);
+  const auto best = std::ranges::min_element(scores) - scores.begin();
+
+  // learn the colours from the best pose
+  recorder.begin();
+  recorder.stage("fit");
+  constexpr OutlineStage kOutlineOnly[] = {{1, true, 0, 0}};
+  recordFit(recorder, frame, poses[std::size_t(best)], kOutlineOnly);
+  for (std::uint32_t camera = 0; camera < rig_.cameraCount(); ++camera)
+    if ((frame.missing_cameras >> camera & 1) == 0)
+      evidence_.recordLearning(recorder, camera, fitter_.masks(), fitter_.forearms(), 1);
+  recorder.submitAndWait();
+  addStages(recorder.stageMs(), stage_ms);
+  last_ = poses[std::size_t(best)];
+  last_time_s_ = timeOf(frame);
+  has_pose_ = true;
+  return true;
+}
+
+HandFit RobustTracker::finish() {
+  const GpuOutlineFit& found = fitter_.result();
+  double length = 0, good = 0;
+  for (std::uint32_t k = 0; k < rig_.cameraCount(); ++k) {
+    length += found.camera_length[k];
+    good += found.camera_good[k];
+  }
+  HandFit fit;
+  GpuHandPose device = hands_.host()[0];
+  const bool trusted = device.tracked != 0;
+  fit.agreement = length > 0 ? good / length : 0;
+  fit.scale = found.pose.scale;
+  fit.iterations = 0;
+  for (const OutlineStage& stage : kFollow) fit.iterations += stage.steps;
+  fit.outcome = FitOutcome::kStalled;
+  fit.outside_m = 0;
+  fit.outside_fraction = 1 - fit.agreement;
+  device.tracked = 1;
+  fit.pose = handPose(device, poseFrame());
+  fit.tracked = trusted || (fit.agreement >= kUncertainAgreement && uncertain_frames_ < kUncertainLimit);
+  fit.uncertain = fit.tracked && !trusted;
+  if (!std::isfinite(found.pose.position.norm())) fit.tracked = false;
+  ++clock_;
+  if (!fit.tracked) {
+    forget();
+    return fit;
+  }
+  uncertain_frames_ = fit.uncertain ? uncertain_frames_ + 1 : 0;
+  const double seconds = frame_time_s_ - last_time_s_;
+  velocity_.setZero();
+  spin_.setZero();
+  if (frames_ >= 1 && seconds > 0 && seconds < kLongestGap_s) {
+    velocity_ = (found.pose.position - last_.position).cast<double>() / seconds;
+    const Eigen::AngleAxisd turn(rotationOf(found.pose) * rotationOf(last_).transpose());
+    spin_ = turn.angle() / seconds * turn.axis();
+    if (velocity_.norm() > kFastest_m_s) velocity_.setZero();
+    if (spin_.norm() > kFastest_rad_s) spin_.setZero();
+  }
+  last_ = found.pose;
+  last_time_s_ = frame_time_s_;
+  ++frames_;
+  return fit;
+}
+
+}  // namespace airclay
