@@ -15,15 +15,12 @@ using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
 using Pose = Eigen::Isometry3d;  ///< a rigid transform; variables are named b_from_a
 
+// Not inline: instantiating their Eigen templates takes the compiler longer than parsing this header.
+
 /// The rotation by the angle |w| about the axis w / |w| (Rodrigues' formula), w in radians.
-inline Mat3 rotationFromVector(const Vec3& w) {
-  const double angle = w.norm();
-  return angle > 0 ? Eigen::AngleAxisd(angle, w / angle).toRotationMatrix() : Mat3(Mat3::Identity());
-}
+Mat3 rotationFromVector(const Vec3& w);
 
 /// The angle between two rotations in radians, exact for small angles too.
-inline double angleBetween(const Mat3& a, const Mat3& b) {
-  return Eigen::AngleAxisd(Eigen::Quaterniond(a.transpose() * b)).angle();
-}
+double angleBetween(const Mat3& a, const Mat3& b);
 
 }  // namespace airclay
