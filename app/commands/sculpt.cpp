@@ -10,8 +10,8 @@
 #include "app/cli/camera_options.h"
 #include "app/cli/clay_options.h"
 #include "app/cli/output_paths.h"
-#include "app/session/fit_options.h"
 #include "app/commands/sculpting.h"
+#include "app/session/fit_options.h"
 #include "app/session/take_options.h"
 #include "app/session/temporary_document.h"
 #include "app/studio/settings.h"
@@ -35,7 +35,8 @@ struct SculptOptions : CommonOptions {
   std::string hand = "right", clay = "tube", out = "out/sculpt", video;
   std::optional<Vec3> place;  ///< world, metres
   double size_m = 0;          ///< 0: unchanged
-  std::string rig, save, log, tool, symmetry;
+  std::string rig, save, tool, symmetry;
+  StudioLog log;
   CameraOptions cameras;
   std::string record;
   bool headless = false, unfiltered = false, ignore_actions = false;
@@ -331,9 +332,11 @@ void addOut(CLI::App& command, SculptOptions& options) {
 }
 
 void addLog(CLI::App& command, SculptOptions& options) {
-  command
-      .add_option("--log", options.log, "write the window's status to FILE once per second, as JSON lines")
+  command.add_option("--log", options.log.file, "write the window's status to FILE as JSON lines")
       ->type_name("FILE");
+  command.add_option("--log-interval", options.log.interval_s, "seconds between the lines of --log [1]")
+      ->check(CLI::Range(0.01, 3600.0).description(""))
+      ->type_name("S");
 }
 
 }  // namespace

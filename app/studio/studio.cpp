@@ -20,7 +20,7 @@
 namespace airclay {
 namespace {
 
-constexpr double kNoteSeconds = 4, kLogSeconds = 1;
+constexpr double kNoteSeconds = 4;
 constexpr double kSettingsSeconds = 2;  // a crash loses at most this much
 constexpr double kTurnRadS = 1.2;       // rotation speed of the clay and the mouse hand
 constexpr double kMovingSeconds = 0.5;  // after the last frame, key or mouse
@@ -58,7 +58,7 @@ class Studio {
         view_(session.rig.workspace.edge_m),
         recorder_(gpu),
         timed_frames_(gpu, 0) {
-    if (!options.log.empty()) log_.open(options.log);
+    if (!options.log.file.empty()) log_.open(options.log.file);
     settings_.folder = settings_.folder.empty() ? std::filesystem::current_path() : settings_.folder;
     show_help_ = settings_.first_run;
     settings_.first_run = false;
@@ -377,7 +377,7 @@ class Studio {
   }
 
   void writeLog(const Snapshot& snapshot) {
-    if (!log_.is_open() || secondsBetween(last_log_, Clock::now()) < kLogSeconds) return;
+    if (!log_.is_open() || secondsBetween(last_log_, Clock::now()) < options_.log.interval_s) return;
     last_log_ = Clock::now();
     const DocumentView document = session_.documentView();
     nlohmann::ordered_json stages;

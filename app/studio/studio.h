@@ -10,11 +10,17 @@
 
 namespace airclay {
 
+/// Status lines for tests and monitoring: one JSON object per line.
+struct StudioLog {
+  std::filesystem::path file;  ///< empty: no log
+  double interval_s = 1;       ///< minimum time between lines
+};
+
 struct StudioOptions {
   std::string title = "Airclay";
   std::optional<TriangleMesh> forearm;  ///< drawn behind the hand
   bool close_at_end = false;            ///< close the window at the end of the take; for the demo
-  std::filesystem::path log;            ///< optional: writes the status once per second, as JSON lines
+  StudioLog log;
 };
 
 /// Opens the window and returns when it is closed. The hand comes from `session.recording`, or from the mouse

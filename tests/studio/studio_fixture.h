@@ -32,7 +32,7 @@ class Studio : public testing::Test {
   /// Opens the window; `arguments` follow `airclay sculpt`.
   void start(const Strings& arguments) {
     std::filesystem::remove(log_file);
-    Strings all = {AIRCLAY_PROGRAM, "sculpt", "--log", log_file};
+    Strings all = {AIRCLAY_PROGRAM, "sculpt", "--log", log_file, "--log-interval", "0.1"};
     all.insert(all.end(), arguments.begin(), arguments.end());
     std::map<std::string, std::string> environment = desktop->environment();
     environment["XDG_CONFIG_HOME"] = at("config");
@@ -59,7 +59,10 @@ class Studio : public testing::Test {
   /// The last complete line; null if there is none yet.
   json log() const {
     if (!std::filesystem::exists(log_file)) return nullptr;
-    std::string text = readWhole(log_file, kMaxDocumentBytes);
+    constexpr std::streamoff kMaxLinesBytes = 8192;  // at least two lines
+    std::ifstream in(log_file, std::ios::binary | std::ios::ate);
+    in.seekg(std::max<std::streamoff>(in.tellg() - std::streampos(kMaxLinesBytes), 0));
+    std::string text{std::istreambuf_iterator<char>(in), {}};
     text.erase(text.rfind('\n') == std::string::npos ? 0 : text.rfind('\n'));
     return text.empty() ? json(nullptr) : json::parse(text.substr(text.rfind('\n') + 1));
   }
@@ -98,7 +101,7 @@ class Studio : public testing::Test {
     Screenshot shot = desktop->screenshot();
     const auto rests = [&] {
       std::this_thread::sleep_for(
-          std::chrono::milliseconds(1500));  // half a second after a change, the surface becomes finer
+          std::chrono::milliseconds(1000));  // half a second after a change, the surface becomes finer
       const Screenshot before = std::exchange(shot, desktop->screenshot());
       return differingFraction(before, shot, kMiddle) == 0;
     };
@@ -159,7 +162,7 @@ class Studio : public testing::Test {
   // Right of the tools, below the middle. At a height of 800 pixels, 240 are 14 cm, and the hand starts 21 cm
   // from the tube's axis.
   static constexpr int kFromX = 500, kFarthestX = 1000, kY = 560, kDabPx = 48;
-  static constexpr double kDabPauseS = 1.5;  // longer than the interval between log lines
+  static constexpr double kDabPauseS = 0.4;  // several times the interval between log lines
 
   void drag(int to_x) {
     constexpr int kStepPx = 12;
