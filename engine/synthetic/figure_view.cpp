@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT
+#include "engine/synthetic/figure_view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace airclay {
+
+FigureColors::FigureColors(const RoomOptions& options) : noise_(options.seed + 300), skin_(linearFromSrgb(options.skin)) {
+  Random random(options.seed + 400);
+  const Vec3 shirt(random.uniform(0.2, 0.85), random.uniform(0.25, 0.8), random.uniform(0.25, 0.85));
+  shirt_ = linearFromSrgb(shirt);
+  shirt_stripe_ = linearFromSrgb(random.uniform(0.45, 0.7) * shirt + Vec3::Constant(random.uniform(0, 0.2)));
+  hair_ = linearFromSrgb(random.uniform(0.6, 1.4) * Vec3(0.22, 0.16, 0.12));
+  pattern_ = static_cast<int>(random.uniform(0, 3));
+  stripe_m_ = static_cast<float>(random.uniform(0.012, 0.025));
+}
+
+Vec3f FigureColors::albedo(Material material, const Vec3f& texture) const {
+  switch (material) {
+    case Material::kShirt: {
+      const auto odd = [&](float place) { return static_cast<int>(std::floor(place / stripe_m_)) & 1; };
+      const bool along = odd(texture.x()), around = odd(texture.y());
+      const float stripe = pattern_ == 0 ? along : pattern_ == 1 ? around : 0.5f * static_cast<float>(along + around);
+      return (0.88f + 0.24f * noise_.nearest(texture * 700)) * (shirt_ + stripe * (shirt_stripe_ - shirt_));
+    }
+    case Material::kHair:
+      return (0.5f + noise_.nearest({texture.x() * 150, texture.y() * 900, texture.z() * 900})) * hair_;
+    default: {
+      // pores and creases, and blotches of blood that take away more green and blue
+      const float fine = noise_.nearest(texture * 1500) - 0.5f, blotch = noise_.nearest(texture * 300) - 0.5f;
+      return (skin_.array() * (1 + 0.16f * fine) * (1 - Eigen::Array3f(0.06f, 0.26f, 0.26f) * blotch)).matrix();
+    }
+  }
+}
+
+FigureView::FigureView(const Camera& camera, const FigureMesh& mesh, const FigureColors& colors)
+    : camera_(camera), mesh_(mesh), colors_(colors), screen_(mesh.positions.size()) {
+  const std::size_t count = static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
+  depth_m_.assign(count, std::numeric_limits<float>::infinity());
+  triangle_.assign(count, 0);
+  light_.assign(count, Vec3f::Zero());
+  figure_samples_.assign(count, 0);
+  hand_samples_.assign(count, 0);
+}
+
+void FigureView::begin(const std::vector<Vec3f>& light) {
+  for (int y = top_; y < bottom_; ++y) {
+    const auto row = static_cast<std::ptrdiff_t>(y) * camera_.width;
+    std::fill(light_.begin() + row + left_, light_.begin() + row + right_, Vec3f::Zero());
+    std::fill(figure_samples_.begin() + row + left_, figure_samples_.begin() + row + right_, 0);
+    std::fill(hand_samples_.begin() + row + left_, hand_samples_.begin() + row + right_, 0);
+  }
+  left_ = camera_.width;
+  top_ = camera_.height;
+  right_ = bottom_ = 0;
+  vertex_light_ = light;
+}
+
+void FigureView::project(const BonePoses& poses) {
+  for (const FigureMesh::Part& part : mesh_.parts) {
+    const auto bone = static_cast<std::size_t>(part.bone);
+    if (projected_[bone] && projected_[bone]->matrix() == poses[bone].matrix()) continue;
+    const Pose camera_from_bone = camera_.camera_from_world * poses[bone];
+    for (std::uint32_t i = part.first; i < part.first + part.count; ++i) {
+      const Vec3 point = camera_from_bone * mesh_.positions[i].cast<double>();
+      const std::optional<Vec2> pixel = point.z() > 0.05 ? projectThroughLens(camera_.lens, point) : std::nullopt;
+      screen_[i] = pixel ? ScreenVertex{static_cast<float>(pixel->x()), static_cast<float>(pixel->y()),
+                                        static_cast<float>(point.z())}
+                         : ScreenVertex{0, 0, std::numeric_limits<float>::quiet_NaN()};
+    }
+  }
+  for (std::size_t bone = 0; bone < kBones; ++bone) projected_[bone] = poses[bone];
+}
+
+void FigureView::drawTriangle(std::uint32_t index, const Vec2& offset, const std::vector<float>& limit_m) {
+  const auto& corners = mesh_.triangles[index];
+  const ScreenVertex &a = screen_[corners[0]], &b = screen_[corners[1]], &c = screen_[corners[2]];
+  const float area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+  // the image's y points down: counterclockwise triangles have a negative area
+  if (!(area < 0) || std::isnan(a.z + b.z + c.z)) return;
+  const auto ox = static_cast<float>(offset.x()), oy = static_cast<float>(offset.y());
+  const auto low = [](float p, float q, float r, float o) { return static_cast<int>(std::ceil(std::max(std::min({p, q, r}) - o, 0.f))); };
+  const auto high = [](float p, float q, float r, float o, int end) {
+    return static_cast<int>(std::floor(std::min(std::max({p, q, r}) - o, static_cast<float>(end - 1)) + 1));
+  };
+  const int x0 = low(a.x, b.x, c.x, ox), x1 = high(a.x, b.x, c.x, ox, camera_.width);
+  const int y0 = low(a.y, b.y, c.y, oy), y1 = high(a.y, b.y, c.y, oy, camera_.height);
+  if (x0 >= x1 || y0 >= y1) return;
+  left_ = std::min(left_, x0), right_ = std::max(right_, x1), top_ = std::min(top_, y0), bottom_ = std::max(bottom_, y1);
+  const float inverse = 1 / area;
+  for (int y = y0; y < y1; ++y) {
+    const float py = static_cast<float>(y) + oy;
+    for (int x = x0; x < x1; ++x) {
+      const float px = static_cast<float>(x) + ox;
+      const float u = ((px - a.x) * (c.y - a.y) - (py - a.y) * (c.x - a.x)) * inverse;
+      const float v = ((b.x - a.x) * (py - a.y) - (b.y - a.y) * (px - a.x)) * inverse;
+      if (u < 0 || v < 0 || u + v > 1) continue;
+      const float z = a.z + u * (b.z - a.z) + v * (c.z - a.z);
+      const std::size_t i = static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width) + static_cast<std::size_t>(x);
+      if (z >= depth_m_[i] || z >= limit_m[i]) continue;
+      depth_m_[i] = z;
+      triangle_[i] = index + 1;
+    }
+  }
+}
+
+void FigureView::shade(const Vec2& offset) {
+  for (int y = top_; y < bottom_; ++y)
+    for (int x = left_; x < right_; ++x) {
+      const std::size_t i = static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width) + static_cast<std::size_t>(x);
+      if (triangle_[i] == 0) continue;
+      const std::uint32_t index = triangle_[i] - 1;
+      const auto& corners = mesh_.triangles[index];
+      const ScreenVertex &a = screen_[corners[0]], &b = screen_[corners[1]], &c = screen_[corners[2]];
+      const float px = static_cast<float>(x + offset.x()), py = static_cast<float>(y + offset.y());
+      const float inverse = 1 / ((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x));
+      const float u = ((px - a.x) * (c.y - a.y) - (py - a.y) * (c.x - a.x)) * inverse;
+      const float v = ((b.x - a.x) * (py - a.y) - (b.y - a.y) * (px - a.x)) * inverse;
+      const auto blend = [&](const std::vector<Vec3f>& of) -> Vec3f {
+        return (1 - u - v) * of[corners[0]] + u * of[corners[1]] + v * of[corners[2]];
+      };
+      const Material material = mesh_.materials[index];
+      light_[i] += blend(vertex_light_).cwiseProduct(colors_.albedo(material, blend(mesh_.texture)));
+      ++figure_samples_[i];
+      hand_samples_[i] = static_cast<std::uint8_t>(hand_samples_[i] + (material == Material::kHandSkin));
+      triangle_[i] = 0;
+      depth_m_[i] = std::numeric_limits<float>::infinity();
+    }
+}
+
+void FigureView::addSample(const BonePoses& poses, const Vec2& offset, const std::vector<float>& depth_m) {
+  project(poses);
+  for (std::uint32_t i = 0; i < mesh_.triangles.size(); ++i) drawTriangle(i, offset, depth_m);
+  shade(offset);
+}
+
+}  // namespace airclay

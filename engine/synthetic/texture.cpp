@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+#include "engine/synthetic/texture.h"
+
+#include <cmath>
+
+namespace airclay {
+
+Vec3f linearFromSrgb(const Vec3& srgb) {
+  return srgb.array().max(0).pow(kEncodingGamma).matrix().cast<float>();
+}
+
+NoiseVolume::NoiseVolume(std::uint32_t seed) : values_(static_cast<std::size_t>(kSide * kSide * kSide), 0.f) {
+  Random random(seed);
+  float total = 0;
+  for (int cells = 4, octave = 0; octave < 4; ++octave, cells *= 2) {
+    const float height = std::pow(0.62f, static_cast<float>(octave));
+    total += height;
+    std::vector<float> lattice(static_cast<std::size_t>(cells * cells * cells));
+    for (float& value : lattice) value = static_cast<float>(random.uniform(0, 1));
+    const auto value = [&](int x, int y, int z) {
+      return lattice[static_cast<std::size_t>(((z % cells) * cells + y % cells) * cells + x % cells)];
+    };
+    const int step = kSide / cells;
+    std::size_t i = 0;
+    for (int z = 0; z < kSide; ++z)
+      for (int y = 0; y < kSide; ++y)
+        for (int x = 0; x < kSide; ++x) {
+          const auto weight = [step](int place) {
+            const float t = static_cast<float>(place % step) / static_cast<float>(step);
+            return t * t * (3 - 2 * t);
+          };
+          const int cx = x / step, cy = y / step, cz = z / step;
+          const float a = weight(x), b = weight(y), c = weight(z);
+          float sum = 0;
+          for (int corner = 0; corner < 8; ++corner) {
+            const int dx = corner & 1, dy = corner >> 1 & 1, dz = corner >> 2;
+            sum += (dx ? a : 1 - a) * (dy ? b : 1 - b) * (dz ? c : 1 - c) * value(cx + dx, cy + dy, cz + dz);
+          }
+          values_[i++] += height * sum;
+        }
+  }
+  for (float& value : values_) value /= total;
+}
+
+float NoiseVolume::nearest(const Vec3f& cells) const {
+  return at(static_cast<int>(std::floor(cells.x())), static_cast<int>(std::floor(cells.y())),
+            static_cast<int>(std::floor(cells.z())));
+}
+
+float NoiseVolume::smooth(const Vec3f& cells) const {
+  const Vec3f low = cells.array().floor().matrix(), t = cells - low;
+  const int x = static_cast<int>(low.x()), y = static_cast<int>(low.y()), z = static_cast<int>(low.z());
+  float sum = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const int dx = corner & 1, dy = corner >> 1 & 1, dz = corner >> 2;
+    sum += (dx ? t.x() : 1 - t.x()) * (dy ? t.y() : 1 - t.y()) * (dz ? t.z() : 1 - t.z()) * at(x + dx, y + dy, z + dz);
+  }
+  return sum;
+}
+
+}  // namespace airclay
