@@ -10,7 +10,10 @@
 #include "app/session/fit_options.h"
 #include "app/session/take_options.h"
 #include "app/session/take_tracking.h"
+#include "app/cli/progress.h"
 #include "capture/takes/evaluation_plot.h"
+#include "capture/takes/room_recording.h"
+#include "capture/takes/room_set.h"
 #include "capture/takes/truth.h"
 #include "engine/core/error.h"
 
@@ -24,6 +27,9 @@ struct EvaluateOptions : CommonOptions {
   TakeInputOptions reading;
   FitOptions fit;
   std::string hand = "right", out = "out/evaluate";
+  bool is_synthetic = false;
+  std::vector<std::string> only;  ///< names of synthetic takes
+  std::string keep;               ///< folder for them
 };
 
 /// The last part of the take's path; a number tells takes with equal names apart.
@@ -51,7 +57,7 @@ EvaluatedFrame evaluatedFrame(const PlayedFrame& frame, const Pose& truth) {
 }
 
 /// Tracks a take; the frames that have ground truth, without those of the empty workspace.
-EvaluatedTake trackWithTruth(Gpu& gpu, Take& take, const Truth& truth, const TakeTracking& tracking) {
+EvaluatedTake trackWithTruth(Gpu& gpu, Recording& take, const Truth& truth, const TakeTracking& tracking) {
   EvaluatedTake frames;
   trackTake(gpu, take, tracking, [&](const PlayedFrame& frame) {
     if (frame.background) return;
@@ -110,41 +116,117 @@ void printEvaluations(const std::vector<std::string>& names, const std::vector<E
   printTable(table);
 }
 
-void runEvaluate(const EvaluateOptions& options) {
-  checkVoxels(options.voxels);
+/// What every take of a run is tracked with, and what it yields.
+class EvaluationRun {
+ public:
+  EvaluationRun(const EvaluateOptions& options, const HandModel& hand)
+      : options_(options), hand_(hand), center_in_hand_(handCenter(hand)), gpu_(options) {
+    makeFolder(options.out);
+  }
+
+  /// Tracks a take and draws its plot. \throw Error if no frame has ground truth.
+  void add(const std::string& name, Recording& take, const Truth& truth) {
+    EvaluatedTake frames = trackWithTruth(gpu_, take, truth,
+                                          {.hand = hand_,
+                                           .pipeline = options_.fit.pipeline(options_.voxels),
+                                           .label = name,
+                                           .shows_progress = options_.printsMessages()});
+    if (frames.empty())
+      throw Error(name + "/truth.tum: no pose is within half a frame of any of the take's frames");
+    names_.push_back(name);
+    evaluations_.push_back(evaluate({&frames, 1}, center_in_hand_));
+    drawEvaluation(std::filesystem::path(options_.out) / (name + ".png"), name, frames, center_in_hand_);
+    takes_.push_back(std::move(frames));
+  }
+  void print() const {
+    if (options_.json) {
+      ordered_json objects = ordered_json::array();
+      for (std::size_t i = 0; i < names_.size(); ++i) objects.push_back(jsonOf(names_[i], evaluations_[i]));
+      printJson({{"takes", objects}});
+    } else if (!options_.quiet) {
+      printEvaluations(names_, evaluations_,
+                       takes_.size() > 1 ? std::optional(evaluate(takes_, center_in_hand_)) : std::nullopt);
+      printLine(options_, "error plots in " + options_.out);
+    }
+  }
+
+ private:
+  const EvaluateOptions& options_;
+  const HandModel& hand_;
+  Vec3 center_in_hand_;
+  CommandGpu gpu_;
+  std::vector<std::string> names_;
+  std::vector<EvaluatedTake> takes_;
+  std::vector<Evaluation> evaluations_;
+};
+
+/// The synthetic takes that the options select. \throw Error (Fault::kUsage) for a name that does not exist.
+std::vector<RoomTake> selectedRooms(const EvaluateOptions& options) {
+  std::vector<RoomTake> takes = standardRooms();
+  if (options.only.empty()) return takes;
+  std::string names;
+  for (const RoomTake& take : takes) names += (names.empty() ? "" : ", ") + take.name;
+  for (const std::string& name : options.only)
+    if (std::ranges::find(takes, name, &RoomTake::name) == takes.end())
+      throw Error("--only " + name + ": there is no such synthetic take; expected one of " + names, Fault::kUsage);
+  std::erase_if(takes, [&](const RoomTake& take) { return std::ranges::find(options.only, take.name) == options.only.end(); });
+  return takes;
+}
+
+void evaluateSynthetic(const EvaluateOptions& options) {
+  const std::vector<RoomTake> takes = selectedRooms(options);
+  const HandModel hand = loadHand(options.hand);
+  EvaluationRun run(options, hand);
+  for (const RoomTake& take : takes) {
+    RoomRecording room(hand, take.options);
+    if (options.keep.empty()) {
+      run.add(take.name, room, room.fullTruth());
+      continue;
+    }
+    const std::filesystem::path folder = std::filesystem::path(options.keep) / take.name;
+    {
+      Progress progress("writing " + folder.string(), room.frameCount(), options.printsMessages());
+      writeTake(room, folder, [&] { progress.advance(); });
+    }
+    TakeInputOptions input = options.reading;
+    input.folder = folder.string();
+    Take written = input.open();
+    run.add(take.name, written, readTruth(folder));
+  }
+  run.print();
+}
+
+void evaluateTakes(const EvaluateOptions& options) {
   std::vector<Truth> truths;
   for (const std::string& take : options.takes) truths.push_back(readTruth(take));
   const HandModel hand = loadHand(options.hand);
-  const Vec3 center_in_hand = handCenter(hand);
-  const std::filesystem::path out = options.out;
-  makeFolder(out);
-  CommandGpu gpu(options);
+  EvaluationRun run(options, hand);
   const std::vector<std::string> names = namesOf(options.takes);
-  std::vector<EvaluatedTake> takes;
-  std::vector<Evaluation> evaluations;
   for (std::size_t i = 0; i < names.size(); ++i) {
     TakeInputOptions input = options.reading;
     input.folder = options.takes[i];
     Take take = input.open();
-    takes.push_back(trackWithTruth(gpu, take, truths[i],
-                                   {.hand = hand,
-                                    .pipeline = options.fit.pipeline(options.voxels),
-                                    .label = names[i],
-                                    .shows_progress = options.printsMessages()}));
-    if (takes[i].empty())
-      throw Error(input.folder + "/truth.tum: no pose is within half a frame of any of the take's frames");
-    evaluations.push_back(evaluate({&takes[i], 1}, center_in_hand));
-    drawEvaluation(out / (names[i] + ".png"), names[i], takes[i], center_in_hand);
+    run.add(names[i], take, truths[i]);
   }
-  if (options.json) {
-    ordered_json objects = ordered_json::array();
-    for (std::size_t i = 0; i < names.size(); ++i) objects.push_back(jsonOf(names[i], evaluations[i]));
-    printJson({{"takes", objects}});
-  } else if (!options.quiet) {
-    printEvaluations(names, evaluations,
-                     takes.size() > 1 ? std::optional(evaluate(takes, center_in_hand)) : std::nullopt);
-    printLine(options, "error plots in " + options.out);
-  }
+  run.print();
+}
+
+void runEvaluate(const EvaluateOptions& options) {
+  checkVoxels(options.voxels);
+  if (options.is_synthetic == !options.takes.empty())
+    throw Error(options.is_synthetic ? "--synthetic evaluates rendered takes; give either it or TAKE"
+                                     : "nothing to evaluate: give at least one TAKE, or --synthetic for the standard set",
+                Fault::kUsage);
+  if (!options.is_synthetic && (!options.only.empty() || !options.keep.empty()))
+    throw Error("--only and --keep belong to --synthetic, which is missing", Fault::kUsage);
+  options.is_synthetic ? evaluateSynthetic(options) : evaluateTakes(options);
+}
+
+/// The standard set, one take per line.
+std::string listOfRooms() {
+  std::string lines;
+  for (const RoomTake& take : standardRooms()) lines += "  " + take.name + ": " + take.contents + "\n";
+  return lines;
 }
 
 }  // namespace
@@ -157,8 +239,13 @@ void addEvaluate(CLI::App& program, int&) {
       ->add_option("TAKE", options->takes,
                    "recordings with truth.tum, the true poses; truth_dense.tum, the same motion at a higher "
                    "rate, is interpolated at each frame's time")
-      ->type_name("")
-      ->required();
+      ->type_name("");
+  command->add_flag("--synthetic", options->is_synthetic,
+                    "render the standard set of takes: cameras, noise, hand scale, speed, forearm, person, skin, "
+                    "sleeve, shadows, light, blur, clocks");
+  command->add_option("--only", options->only, "only these of the standard set")->type_name("NAME");
+  command->add_option("--keep", options->keep, "write the rendered takes to DIR/NAME before they are tracked")
+      ->type_name("DIR");
   addTakeReadingOptions(*command, options->reading);
   addHandOption(*command, options->hand);
   addFitOptions(*command, options->fit);
@@ -167,12 +254,13 @@ void addEvaluate(CLI::App& program, int&) {
       ->type_name("DIR");
   addCommonOptions(*command, *options, Uses::kDeviceAndVoxels, true);
   command->footer(
-      "Position errors refer to the middle between wrist and middle finger's knuckle. A frame is wrong if "
-      "its "
-      "pose is reported as tracked and is more than 10 mm off. Jitter is the RMS deviation from the mean "
-      "while "
+      "Position errors refer to the middle between wrist and middle finger's knuckle. A frame is wrong if its "
+      "pose is reported as tracked and is more than 10 mm off. Jitter is the RMS deviation from the mean while "
       "the true hand is still. \"to find\" counts the frames until the first pose within 10 mm.\n\n"
-      "Example:\n  airclay evaluate takes/desk takes/window --out errors --json");
+      "--synthetic renders a hand over a desk, each take with its own path, colours and rotation of the world:\n"
+      + listOfRooms() +
+      "\nExamples:\n  airclay evaluate takes/desk takes/window --out errors --json\n"
+      "  airclay evaluate --synthetic --only shadows --only everything --keep takes");
   command->callback([options] { runEvaluate(*options); });
 }
 

@@ -5,7 +5,7 @@
 
 namespace airclay {
 
-void trackTake(Gpu& gpu, Take& take, const TakeTracking& tracking,
+void trackTake(Gpu& gpu, Recording& take, const TakeTracking& tracking,
                const std::function<void(const PlayedFrame&)>& receive) {
   Pipeline pipeline(gpu, take.rig(), tracking.hand, tracking.pipeline);
   Player player(take, pipeline);

@@ -6,7 +6,6 @@
 #include <string>
 
 #include "capture/takes/player.h"
-#include "capture/takes/take.h"
 
 namespace airclay {
 
@@ -18,7 +17,7 @@ struct TakeTracking {
 };
 
 /// Passes each frame, background included, to `receive`. \throw Interrupted (app/cli/progress.h)
-void trackTake(Gpu& gpu, Take& take, const TakeTracking& tracking,
+void trackTake(Gpu& gpu, Recording& take, const TakeTracking& tracking,
                const std::function<void(const PlayedFrame&)>& receive);
 
 }  // namespace airclay

@@ -28,7 +28,8 @@ void forEachCamera(std::size_t count, const Work& work) {
 
 }  // namespace
 
-RoomRecording::RoomRecording(const RoomOptions& options) : options_(options), room_(options), truth_(std::in_place) {
+RoomRecording::RoomRecording(const HandModel& hand, const RoomOptions& options)
+    : options_(options), room_(hand, options), truth_(std::in_place) {
   for (int frame = 0; frame < frameCount(); ++frame)
     if (frame >= options_.background_frames && room_.isHandInCube(timeOf(frame)))
       truth_->push_back({timeOf(frame), *room_.handAt(timeOf(frame))});

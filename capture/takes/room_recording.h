@@ -14,7 +14,7 @@ namespace airclay {
 /// Equal options give identical bytes, in whatever order frames are read, and on every device.
 class RoomRecording : public Recording {
  public:
-  explicit RoomRecording(const RoomOptions& options = {});
+  explicit RoomRecording(const HandModel& hand, const RoomOptions& options = {});
 
   const Rig& rig() const override { return options_.rig; }
   int frameCount() const override { return options_.background_frames + options_.hand_frames; }

@@ -104,12 +104,18 @@ Vec3 jointAt(const HandModel& hand, const std::string& name) {
   return joint->hand_from_joint_rest.translation();
 }
 
-Pose wristFrame(const HandModel& hand, bool is_left, double scale) {
-  const Vec3 wrist = jointAt(hand, "wrist");
-  const Vec3 x = (jointAt(hand, "middle-finger-phalanx-proximal") - wrist).normalized();
-  const Vec3 thumb_side =
+/// Out of the back of a right hand, out of the palm of a left one.
+Vec3 acrossThePalm(const HandModel& hand) {
+  const Vec3 along = jointAt(hand, "middle-finger-phalanx-proximal") - jointAt(hand, "wrist");
+  const Vec3 to_thumb =
       jointAt(hand, "index-finger-phalanx-proximal") - jointAt(hand, "pinky-finger-phalanx-proximal");
-  return frameAt(scale * wrist, x, (is_left ? -1 : 1) * x.cross(thumb_side));
+  return along.cross(to_thumb).normalized();
+}
+
+Pose wristFrame(const HandModel& hand, double scale) {
+  const Vec3 wrist = jointAt(hand, "wrist");
+  const Vec3 along = jointAt(hand, "middle-finger-phalanx-proximal") - wrist;
+  return frameAt(scale * wrist, along, (isLeftHand(hand) ? -1 : 1) * acrossThePalm(hand));
 }
 
 /// `length`, or a little more than `limit` where it exceeds that: without a kink.
@@ -120,10 +126,18 @@ double softExcess(double length, double limit) {
 
 }  // namespace
 
-Person::Person(const RoomOptions& options)
-    : hand_from_wrist_(wristFrame(options.hand, options.is_left, options.hand_scale)),
-      side_(options.is_left ? -1 : 1) {
-  addHand(options);
+bool isLeftHand(const HandModel& hand) {
+  const Vec3 across = acrossThePalm(hand);
+  double bend_m = 0;
+  for (const std::string finger : {"index", "middle", "ring", "pinky"})
+    bend_m += across.dot(jointAt(hand, finger + "-finger-tip") - jointAt(hand, finger + "-finger-phalanx-proximal"));
+  bend_m += 4 * across.dot(jointAt(hand, "thumb-tip") - jointAt(hand, "index-finger-metacarpal"));
+  return bend_m > 0;
+}
+
+Person::Person(const HandModel& hand, const RoomOptions& options)
+    : hand_from_wrist_(wristFrame(hand, options.hand_scale)), side_(isLeftHand(hand) ? -1 : 1) {
+  addHand(hand, options);
   if (options.arm == Arm::kNone) return;
   addForearm(options);
   if (!options.has_person) return;
@@ -138,8 +152,8 @@ Person::Person(const RoomOptions& options)
   addBody();
 }
 
-void Person::addHand(const RoomOptions& options) {
-  TriangleMesh skin = withCaps(options.hand.skin);
+void Person::addHand(const HandModel& hand, const RoomOptions& options) {
+  TriangleMesh skin = withCaps(hand.skin);
   for (Vec3& vertex : skin.vertices) vertex *= options.hand_scale;
   const std::vector<Vec3> normals = vertexNormals(skin);
   const std::vector<double> open = openness(skin, normals);
@@ -154,7 +168,7 @@ void Person::addHand(const RoomOptions& options) {
       wrist_depth_m_ = std::max(wrist_depth_m_, std::abs(in_wrist.z()));
     }
     double redness = 0;  // knuckles and finger tips
-    for (const Joint& joint : options.hand.joints) {
+    for (const Joint& joint : hand.joints) {
       const bool red = joint.name.ends_with("tip") || joint.name.ends_with("proximal") || joint.name.ends_with("intermediate");
       const double distance_m =
           (skin.vertices[i] - options.hand_scale * joint.hand_from_joint_rest.translation()).norm();
@@ -175,13 +189,13 @@ void Person::addHand(const RoomOptions& options) {
     mesh_.materials.push_back(Material::kHandSkin);
   }
   endPart(mesh_, Bone::kHand);
-  for (const Joint& joint : options.hand.joints) {
+  for (const Joint& joint : hand.joints) {
     if (joint.parent < 0) continue;
     const bool palm = joint.name.ends_with("proximal") || joint.name.ends_with("metacarpal");
     const double radius_m = options.hand_scale * (palm ? 0.014 : 0.0085);
     const Vec3 to = options.hand_scale * joint.hand_from_joint_rest.translation();
     const Vec3 from = options.hand_scale *
-                      options.hand.joints[static_cast<std::size_t>(joint.parent)].hand_from_joint_rest.translation();
+                      hand.joints[static_cast<std::size_t>(joint.parent)].hand_from_joint_rest.translation();
     addBalls(Bone::kHand, from, to, radius_m, radius_m);
   }
 }

@@ -2,6 +2,7 @@
 // A hand with its arm and the seated person that it belongs to: a mesh of rigid parts, and where they are for a pose of the hand.
 #pragma once
 
+#include "engine/hand/hand_model.h"
 #include "engine/synthetic/room_options.h"
 #include "engine/synthetic/texture.h"
 
@@ -36,9 +37,13 @@ struct ShadowBall {
   double radius_m;
 };
 
+/// Whether a hand model is a left hand: seen with the fingers up and the thumb to the left, the fingers and the thumb of a
+/// left hand bend towards the viewer, those of a right hand away.
+bool isLeftHand(const HandModel& hand);
+
 class Person {
  public:
-  explicit Person(const RoomOptions& options);
+  Person(const HandModel& hand, const RoomOptions& options);
 
   const FigureMesh& mesh() const { return mesh_; }
   const std::vector<ShadowBall>& shadowBalls() const { return balls_; }
@@ -53,7 +58,7 @@ class Person {
   BonePoses poses(const Pose& room_from_wrist) const;
 
  private:
-  void addHand(const RoomOptions& options);
+  void addHand(const HandModel& hand, const RoomOptions& options);
   void addForearm(const RoomOptions& options);
   void addBody();
   void addBalls(Bone bone, const Vec3& from, const Vec3& to, double radius_from, double radius_to);

@@ -155,6 +155,7 @@ Rig roomRig(int count, const Pose& world_from_room) {
 
 struct Room::Parts {
   RoomOptions options;
+  std::vector<Vec3> skin;  ///< the hand's vertices, hand frame, unscaled
   Person person;
   RoomScene scene;
   FigureColors colors;
@@ -165,9 +166,10 @@ struct Room::Parts {
   std::vector<float> normal = normalTable();
   Encoding encode;
 
-  explicit Parts(const RoomOptions& o)
+  Parts(const HandModel& hand, const RoomOptions& o)
       : options(o),
-        person(o),
+        skin(hand.skin.vertices),
+        person(hand, o),
         scene(o),
         colors(o),
         script(roomScript(pathOf(o))),
@@ -196,7 +198,8 @@ struct Room::Parts {
   void drawFigure(CameraParts& camera, double time_s, double daylight);
 };
 
-Room::Room(const RoomOptions& options) : parts_(std::make_unique<Parts>(options)) {}
+Room::Room(const HandModel& hand, const RoomOptions& options)
+    : parts_(std::make_unique<Parts>(hand, options)) {}
 Room::~Room() = default;
 Room::Room(Room&&) noexcept = default;
 
@@ -210,7 +213,7 @@ bool Room::isHandInCube(double time_s) const {
   const std::optional<Pose> world_from_hand = handAt(time_s);
   if (!world_from_hand) return false;
   const Workspace& cube = parts_->options.rig.workspace;
-  return std::ranges::all_of(parts_->options.hand.skin.vertices, [&](const Vec3& vertex) {
+  return std::ranges::all_of(parts_->skin, [&](const Vec3& vertex) {
     const Vec3 from_center = *world_from_hand * Vec3(parts_->options.hand_scale * vertex) - cube.center;
     return from_center.cwiseAbs().maxCoeff() <= 0.5 * cube.edge_m;
   });

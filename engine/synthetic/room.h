@@ -7,17 +7,19 @@
 #include <memory>
 #include <span>
 
+#include "engine/hand/hand_model.h"
 #include "engine/synthetic/room_options.h"
 
 namespace airclay {
 
 class Room {
  public:
-  explicit Room(const RoomOptions& options);
+  /// A hand in its rest pose, right or left.
+  Room(const HandModel& hand, const RoomOptions& options);
   ~Room();
   Room(Room&&) noexcept;
 
-  /// The true world_from_hand: of the model `RoomOptions::hand`, scaled about its frame's origin. Empty while there is no hand.
+  /// The true world_from_hand: of the hand model, scaled about its frame's origin. Empty while there is no hand.
   std::optional<Pose> handAt(double time_s) const;
   /// Whether the whole hand is inside the cube.
   bool isHandInCube(double time_s) const;

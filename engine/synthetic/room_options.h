@@ -6,8 +6,7 @@
 #pragma once
 
 #include "engine/camera/rig.h"
-#include "engine/hand/hand_model.h"
-#include "engine/synthetic/script.h"
+#include "engine/core/math.h"
 
 namespace airclay {
 
@@ -45,10 +44,8 @@ struct RoomOptions {
   Rig rig = roomRig(4);
   std::uint32_t seed = 1;  ///< of the path, colours, drifts, clocks and noise
 
-  HandModel hand = builtInHand(false);  ///< in its rest pose
-  bool is_left = false;                 ///< what `hand` is
-  double hand_scale = 1;                ///< about the origin of the hand frame
-  Vec3 skin = kLightSkin;               ///< sRGB, 0 to 1
+  double hand_scale = 1;   ///< about the origin of the hand frame
+  Vec3 skin = kLightSkin;  ///< sRGB, 0 to 1
 
   Arm arm = Arm::kSleeve;
   double sleeve_from_wrist_m = 0.08;
