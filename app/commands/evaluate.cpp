@@ -7,10 +7,10 @@
 
 #include "app/cli/command.h"
 #include "app/cli/output_paths.h"
+#include "app/cli/progress.h"
 #include "app/session/fit_options.h"
 #include "app/session/take_options.h"
 #include "app/session/take_tracking.h"
-#include "app/cli/progress.h"
 #include "capture/takes/evaluation_plot.h"
 #include "capture/takes/room_recording.h"
 #include "capture/takes/room_set.h"
@@ -168,8 +168,11 @@ std::vector<RoomTake> selectedRooms(const EvaluateOptions& options) {
   for (const RoomTake& take : takes) names += (names.empty() ? "" : ", ") + take.name;
   for (const std::string& name : options.only)
     if (std::ranges::find(takes, name, &RoomTake::name) == takes.end())
-      throw Error("--only " + name + ": there is no such synthetic take; expected one of " + names, Fault::kUsage);
-  std::erase_if(takes, [&](const RoomTake& take) { return std::ranges::find(options.only, take.name) == options.only.end(); });
+      throw Error("--only " + name + ": there is no such synthetic take; expected one of " + names,
+                  Fault::kUsage);
+  std::erase_if(takes, [&](const RoomTake& take) {
+    return std::ranges::find(options.only, take.name) == options.only.end();
+  });
   return takes;
 }
 
@@ -214,8 +217,9 @@ void evaluateTakes(const EvaluateOptions& options) {
 void runEvaluate(const EvaluateOptions& options) {
   checkVoxels(options.voxels);
   if (options.is_synthetic == !options.takes.empty())
-    throw Error(options.is_synthetic ? "--synthetic evaluates rendered takes; give either it or TAKE"
-                                     : "nothing to evaluate: give at least one TAKE, or --synthetic for the standard set",
+    throw Error(options.is_synthetic
+                    ? "--synthetic evaluates rendered takes; give either it or TAKE"
+                    : "nothing to evaluate: give at least one TAKE, or --synthetic for the standard set",
                 Fault::kUsage);
   if (!options.is_synthetic && (!options.only.empty() || !options.keep.empty()))
     throw Error("--only and --keep belong to --synthetic, which is missing", Fault::kUsage);
@@ -240,9 +244,10 @@ void addEvaluate(CLI::App& program, int&) {
                    "recordings with truth.tum, the true poses; truth_dense.tum, the same motion at a higher "
                    "rate, is interpolated at each frame's time")
       ->type_name("");
-  command->add_flag("--synthetic", options->is_synthetic,
-                    "render the standard set of takes: cameras, noise, hand scale, speed, forearm, person, skin, "
-                    "sleeve, shadows, light, blur, clocks");
+  command->add_flag(
+      "--synthetic", options->is_synthetic,
+      "render the standard set of takes: cameras, noise, hand scale, speed, forearm, person, skin, "
+      "sleeve, shadows, light, blur, clocks");
   command->add_option("--only", options->only, "only these of the standard set")->type_name("NAME");
   command->add_option("--keep", options->keep, "write the rendered takes to DIR/NAME before they are tracked")
       ->type_name("DIR");
@@ -254,11 +259,14 @@ void addEvaluate(CLI::App& program, int&) {
       ->type_name("DIR");
   addCommonOptions(*command, *options, Uses::kDeviceAndVoxels, true);
   command->footer(
-      "Position errors refer to the middle between wrist and middle finger's knuckle. A frame is wrong if its "
-      "pose is reported as tracked and is more than 10 mm off. Jitter is the RMS deviation from the mean while "
+      "Position errors refer to the middle between wrist and middle finger's knuckle. A frame is wrong if "
+      "its "
+      "pose is reported as tracked and is more than 10 mm off. Jitter is the RMS deviation from the mean "
+      "while "
       "the true hand is still. \"to find\" counts the frames until the first pose within 10 mm.\n\n"
-      "--synthetic renders a hand over a desk, each take with its own path, colours and rotation of the world:\n"
-      + listOfRooms() +
+      "--synthetic renders a hand over a desk, each take with its own path, colours and rotation of the "
+      "world:\n" +
+      listOfRooms() +
       "\nExamples:\n  airclay evaluate takes/desk takes/window --out errors --json\n"
       "  airclay evaluate --synthetic --only shadows --only everything --keep takes");
   command->callback([options] { runEvaluate(*options); });

@@ -46,7 +46,8 @@ bool RoomRecording::readImages(int frame, Buffers bgr) {
     throw std::logic_error("RoomRecording: expected one buffer per camera");
   for (std::size_t c = 0; c < bgr.size(); ++c) {
     const Camera& camera = options_.rig.cameras[c];
-    if (bgr[c].size() != std::size_t(3) * static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height))
+    if (bgr[c].size() !=
+        std::size_t(3) * static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height))
       throw std::logic_error("RoomRecording: a buffer does not have its camera's size");
   }
   forEachCamera(bgr.size(), [&](std::size_t camera) { room_.render(camera, frame, bgr[camera]); });
@@ -57,17 +58,20 @@ Truth RoomRecording::fullTruth() const {
   Truth truth{*truth_, {}};
   const double end_s = timeOf(frameCount() - 1) + 0.1;
   for (int i = 0; i / kDenseHz < end_s; ++i)
-    if (const std::optional<Pose> pose = room_.handAt(i / kDenseHz)) truth.dense.push_back({i / kDenseHz, *pose});
+    if (const std::optional<Pose> pose = room_.handAt(i / kDenseHz))
+      truth.dense.push_back({i / kDenseHz, *pose});
   return truth;
 }
 
-void writeTake(RoomRecording& recording, const std::filesystem::path& folder, const std::function<void()>& on_frame) {
+void writeTake(RoomRecording& recording, const std::filesystem::path& folder,
+               const std::function<void()>& on_frame) {
   TakeWriter writer(folder, recording.rig(), {.rate_hz = recording.rateHz()});
   for (int frame = 0; frame < recording.frameCount(); ++frame) {
     RecordedSet set{recording.cameraTimesOf(frame), {}};
     std::vector<std::span<std::uint8_t>> buffers;
     for (const Camera& camera : recording.rig().cameras)
-      set.bytes.emplace_back(std::size_t(3) * static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height));
+      set.bytes.emplace_back(std::size_t(3) * static_cast<std::size_t>(camera.width) *
+                             static_cast<std::size_t>(camera.height));
     for (std::vector<std::uint8_t>& bytes : set.bytes) buffers.emplace_back(bytes);
     recording.readImages(frame, buffers);
     writer.write(std::move(set));

@@ -36,8 +36,10 @@ class RoomRecording : public Recording {
   std::optional<std::vector<TimedPose>> truth_;
 };
 
-/// Renders the recording into a new take: rig.toml, lossless videos, timestamps.csv, truth.tum and truth_dense.tum.
-/// `on_frame` is called after each frame. \throw Error if `folder` exists and is not empty, or cannot be written.
-void writeTake(RoomRecording& recording, const std::filesystem::path& folder, const std::function<void()>& on_frame = {});
+/// Renders the recording into a new take: rig.toml, lossless videos, timestamps.csv, truth.tum and
+/// truth_dense.tum. `on_frame` is called after each frame. \throw Error if `folder` exists and is not empty,
+/// or cannot be written.
+void writeTake(RoomRecording& recording, const std::filesystem::path& folder,
+               const std::function<void()>& on_frame = {});
 
 }  // namespace airclay

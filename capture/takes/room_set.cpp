@@ -41,7 +41,8 @@ Pose randomRotation(std::uint32_t seed) {
 
 std::vector<RoomTake> standardRooms() {
   std::vector<RoomTake> takes;
-  const auto add = [&](const std::string& name, const std::string& contents, RoomOptions options, int cameras = 4) {
+  const auto add = [&](const std::string& name, const std::string& contents, RoomOptions options,
+                       int cameras = 4) {
     options.seed = static_cast<std::uint32_t>(takes.size()) + 1;
     options.world_from_room = randomRotation(options.seed);
     options.rig = roomRig(cameras, options.world_from_room);
@@ -77,9 +78,11 @@ std::vector<RoomTake> standardRooms() {
   drift.exposure_drift = 0.08;
   drift.white_balance_drift = 0.03;
   add("exposure-drift", "automatic exposure and white balance drift by 8 % and 3 %", drift);
-  add("daylight", "the window's light falls suddenly to 60 %", with(person, &RoomOptions::daylight, Daylight::kSudden));
+  add("daylight", "the window's light falls suddenly to 60 %",
+      with(person, &RoomOptions::daylight, Daylight::kSudden));
   add("motion-blur", "exposed for 1/60 s", with(person, &RoomOptions::exposure_s, 1.0 / 60));
-  add("unsynchronised", "the cameras' clocks are up to 33 ms apart", with(person, &RoomOptions::clock_spread_s, 0.033));
+  add("unsynchronised", "the cameras' clocks are up to 33 ms apart",
+      with(person, &RoomOptions::clock_spread_s, 0.033));
 
   RoomOptions everything;
   everything.skin = kMediumSkin;

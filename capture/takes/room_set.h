@@ -15,8 +15,9 @@ struct RoomTake {
   RoomOptions options;
 };
 
-/// Each recording varies one condition of a hand over a cloth without noise ("clean"), or of a desk with everything a room
-/// has; each has its own seed, so its own path and colours, and its own rotation of the world.
+/// Each recording varies one condition of a hand over a cloth without noise ("clean"), or of a desk with
+/// everything a room has; each has its own seed, so its own path and colours, and its own rotation of the
+/// world.
 std::vector<RoomTake> standardRooms();
 
 }  // namespace airclay

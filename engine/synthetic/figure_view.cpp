@@ -7,7 +7,8 @@
 
 namespace airclay {
 
-FigureColors::FigureColors(const RoomOptions& options) : noise_(options.seed + 300), skin_(linearFromSrgb(options.skin)) {
+FigureColors::FigureColors(const RoomOptions& options)
+    : noise_(options.seed + 300), skin_(linearFromSrgb(options.skin)) {
   Random random(options.seed + 400);
   const Vec3 shirt(random.uniform(0.2, 0.85), random.uniform(0.25, 0.8), random.uniform(0.25, 0.85));
   shirt_ = linearFromSrgb(shirt);
@@ -22,7 +23,9 @@ Vec3f FigureColors::albedo(Material material, const Vec3f& texture) const {
     case Material::kShirt: {
       const auto odd = [&](float place) { return static_cast<int>(std::floor(place / stripe_m_)) & 1; };
       const bool along = odd(texture.x()), around = odd(texture.y());
-      const float stripe = pattern_ == 0 ? along : pattern_ == 1 ? around : 0.5f * static_cast<float>(along + around);
+      const float stripe = pattern_ == 0   ? along
+                           : pattern_ == 1 ? around
+                                           : 0.5f * static_cast<float>(along + around);
       return (0.88f + 0.24f * noise_.nearest(texture * 700)) * (shirt_ + stripe * (shirt_stripe_ - shirt_));
     }
     case Material::kHair:
@@ -30,7 +33,8 @@ Vec3f FigureColors::albedo(Material material, const Vec3f& texture) const {
     default: {
       // pores and creases, and blotches of blood that take away more green and blue
       const float fine = noise_.nearest(texture * 1500) - 0.5f, blotch = noise_.nearest(texture * 300) - 0.5f;
-      return (skin_.array() * (1 + 0.16f * fine) * (1 - Eigen::Array3f(0.06f, 0.26f, 0.26f) * blotch)).matrix();
+      return (skin_.array() * (1 + 0.16f * fine) * (1 - Eigen::Array3f(0.06f, 0.26f, 0.26f) * blotch))
+          .matrix();
     }
   }
 }
@@ -65,7 +69,8 @@ void FigureView::project(const BonePoses& poses) {
     const Pose camera_from_bone = camera_.camera_from_world * poses[bone];
     for (std::uint32_t i = part.first; i < part.first + part.count; ++i) {
       const Vec3 point = camera_from_bone * mesh_.positions[i].cast<double>();
-      const std::optional<Vec2> pixel = point.z() > 0.05 ? projectThroughLens(camera_.lens, point) : std::nullopt;
+      const std::optional<Vec2> pixel =
+          point.z() > 0.05 ? projectThroughLens(camera_.lens, point) : std::nullopt;
       screen_[i] = pixel ? ScreenVertex{static_cast<float>(pixel->x()), static_cast<float>(pixel->y()),
                                         static_cast<float>(point.z())}
                          : ScreenVertex{0, 0, std::numeric_limits<float>::quiet_NaN()};
@@ -81,14 +86,17 @@ void FigureView::drawTriangle(std::uint32_t index, const Vec2& offset, const std
   // the image's y points down: counterclockwise triangles have a negative area
   if (!(area < 0) || std::isnan(a.z + b.z + c.z)) return;
   const auto ox = static_cast<float>(offset.x()), oy = static_cast<float>(offset.y());
-  const auto low = [](float p, float q, float r, float o) { return static_cast<int>(std::ceil(std::max(std::min({p, q, r}) - o, 0.f))); };
+  const auto low = [](float p, float q, float r, float o) {
+    return static_cast<int>(std::ceil(std::max(std::min({p, q, r}) - o, 0.f)));
+  };
   const auto high = [](float p, float q, float r, float o, int end) {
     return static_cast<int>(std::floor(std::min(std::max({p, q, r}) - o, static_cast<float>(end - 1)) + 1));
   };
   const int x0 = low(a.x, b.x, c.x, ox), x1 = high(a.x, b.x, c.x, ox, camera_.width);
   const int y0 = low(a.y, b.y, c.y, oy), y1 = high(a.y, b.y, c.y, oy, camera_.height);
   if (x0 >= x1 || y0 >= y1) return;
-  left_ = std::min(left_, x0), right_ = std::max(right_, x1), top_ = std::min(top_, y0), bottom_ = std::max(bottom_, y1);
+  left_ = std::min(left_, x0), right_ = std::max(right_, x1), top_ = std::min(top_, y0),
+  bottom_ = std::max(bottom_, y1);
   const float inverse = 1 / area;
   for (int y = y0; y < y1; ++y) {
     const float py = static_cast<float>(y) + oy;
@@ -98,7 +106,8 @@ void FigureView::drawTriangle(std::uint32_t index, const Vec2& offset, const std
       const float v = ((b.x - a.x) * (py - a.y) - (b.y - a.y) * (px - a.x)) * inverse;
       if (u < 0 || v < 0 || u + v > 1) continue;
       const float z = a.z + u * (b.z - a.z) + v * (c.z - a.z);
-      const std::size_t i = static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width) + static_cast<std::size_t>(x);
+      const std::size_t i =
+          static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width) + static_cast<std::size_t>(x);
       if (z >= depth_m_[i] || z >= limit_m[i]) continue;
       depth_m_[i] = z;
       triangle_[i] = index + 1;
@@ -109,7 +118,8 @@ void FigureView::drawTriangle(std::uint32_t index, const Vec2& offset, const std
 void FigureView::shade(const Vec2& offset) {
   for (int y = top_; y < bottom_; ++y)
     for (int x = left_; x < right_; ++x) {
-      const std::size_t i = static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width) + static_cast<std::size_t>(x);
+      const std::size_t i =
+          static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width) + static_cast<std::size_t>(x);
       if (triangle_[i] == 0) continue;
       const std::uint32_t index = triangle_[i] - 1;
       const auto& corners = mesh_.triangles[index];

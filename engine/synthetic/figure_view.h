@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Draws a person's mesh as a camera sees it, from many samples per pixel: each sample has its own instant and its own place
-// within the pixel, so edges are smooth and motion blurs.
+// Draws a person's mesh as a camera sees it, from many samples per pixel: each sample has its own instant and
+// its own place within the pixel, so edges are smooth and motion blurs.
 #pragma once
 
 #include "engine/synthetic/person.h"
@@ -29,7 +29,8 @@ class FigureView {
 
   /// Starts an image. `light`: received by each vertex, linear.
   void begin(const std::vector<Vec3f>& light);
-  /// Adds one sample of every pixel: the pixel's centre plus `offset` (pixels), in front of what is at `depth_m`.
+  /// Adds one sample of every pixel: the pixel's centre plus `offset` (pixels), in front of what is at
+  /// `depth_m`.
   void addSample(const BonePoses& poses, const Vec2& offset, const std::vector<float>& depth_m);
 
   /// The rows and columns that may contain the figure, the last exclusive.
@@ -37,8 +38,8 @@ class FigureView {
   int right() const { return right_; }
   int top() const { return top_; }
   int bottom() const { return bottom_; }
-  /// Per pixel, row by row: the sum over the samples of linear light, and how many show the figure, and the hand. Only
-  /// inside the bounds.
+  /// Per pixel, row by row: the sum over the samples of linear light, and how many show the figure, and the
+  /// hand. Only inside the bounds.
   const std::vector<Vec3f>& light() const { return light_; }
   const std::vector<std::uint8_t>& figureSamples() const { return figure_samples_; }
   const std::vector<std::uint8_t>& handSamples() const { return hand_samples_; }

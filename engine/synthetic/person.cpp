@@ -42,7 +42,8 @@ std::vector<Ring> closedRings(const std::vector<Ring>& keys, double cap) {
   for (int step = kCapSteps; step > 0; --step) addCap(keys.front(), -1, step);
   const double length = keys.back().x - keys.front().x;
   const int steps = std::max(1, static_cast<int>(std::ceil(length / 0.02)));
-  for (int step = 0; step <= steps; ++step) rings.push_back(between(keys, keys.front().x + length * step / steps));
+  for (int step = 0; step <= steps; ++step)
+    rings.push_back(between(keys, keys.front().x + length * step / steps));
   for (int step = 1; step <= kCapSteps; ++step) addCap(keys.back(), 1, step);
   return rings;
 }
@@ -53,8 +54,8 @@ void endPart(FigureMesh& mesh, Bone bone) {
 }
 
 /// Adds a body with elliptic sections along the loft's x.
-void addLoft(FigureMesh& mesh, Bone bone, Material material, const Pose& bone_from_loft, const std::vector<Ring>& keys,
-             double cap) {
+void addLoft(FigureMesh& mesh, Bone bone, Material material, const Pose& bone_from_loft,
+             const std::vector<Ring>& keys, double cap) {
   const std::vector<Ring> rings = closedRings(keys, cap);
   constexpr int kAround = 28;
   const auto point = [&](std::size_t ring, int column) {
@@ -130,7 +131,8 @@ bool isLeftHand(const HandModel& hand) {
   const Vec3 across = acrossThePalm(hand);
   double bend_m = 0;
   for (const std::string finger : {"index", "middle", "ring", "pinky"})
-    bend_m += across.dot(jointAt(hand, finger + "-finger-tip") - jointAt(hand, finger + "-finger-phalanx-proximal"));
+    bend_m += across.dot(jointAt(hand, finger + "-finger-tip") -
+                         jointAt(hand, finger + "-finger-phalanx-proximal"));
   bend_m += 4 * across.dot(jointAt(hand, "thumb-tip") - jointAt(hand, "index-finger-metacarpal"));
   return bend_m > 0;
 }
@@ -144,10 +146,12 @@ Person::Person(const HandModel& hand, const RoomOptions& options)
   const Pose straight = Pose::Identity();
   const bool bare = options.arm == Arm::kBare;
   if (bare)
-    addLoft(mesh_, Bone::kUpperArm, Material::kSkin, straight, {{-0.20, 0.043, 0.043}, {0, 0.040, 0.038}}, 0.036);
-  addLoft(mesh_, Bone::kUpperArm, Material::kShirt, straight,
-          {{-kUpperArm, 0.062, 0.060}, {-0.15, 0.056, 0.056}, {bare ? -0.13 : 0, bare ? 0.056 : 0.048, 0.048}},
-          bare ? 0.004 : 0.044);
+    addLoft(mesh_, Bone::kUpperArm, Material::kSkin, straight, {{-0.20, 0.043, 0.043}, {0, 0.040, 0.038}},
+            0.036);
+  addLoft(
+      mesh_, Bone::kUpperArm, Material::kShirt, straight,
+      {{-kUpperArm, 0.062, 0.060}, {-0.15, 0.056, 0.056}, {bare ? -0.13 : 0, bare ? 0.056 : 0.048, 0.048}},
+      bare ? 0.004 : 0.044);
   addBalls(Bone::kUpperArm, {-kUpperArm, 0, 0}, Vec3::Zero(), 0.06, 0.045);
   addBody();
 }
@@ -169,7 +173,8 @@ void Person::addHand(const HandModel& hand, const RoomOptions& options) {
     }
     double redness = 0;  // knuckles and finger tips
     for (const Joint& joint : hand.joints) {
-      const bool red = joint.name.ends_with("tip") || joint.name.ends_with("proximal") || joint.name.ends_with("intermediate");
+      const bool red = joint.name.ends_with("tip") || joint.name.ends_with("proximal") ||
+                       joint.name.ends_with("intermediate");
       const double distance_m =
           (skin.vertices[i] - options.hand_scale * joint.hand_from_joint_rest.translation()).norm();
       if (red) redness = std::max(redness, std::exp(-std::pow(distance_m / 0.013, 2)));
@@ -184,7 +189,8 @@ void Person::addHand(const HandModel& hand, const RoomOptions& options) {
   }
   if (wrist_width_m_ == 0) wrist_width_m_ = 0.029, wrist_depth_m_ = 0.02;
   for (const auto& triangle : skin.triangles) {
-    mesh_.triangles.push_back({static_cast<std::uint32_t>(triangle[0]), static_cast<std::uint32_t>(triangle[1]),
+    mesh_.triangles.push_back({static_cast<std::uint32_t>(triangle[0]),
+                               static_cast<std::uint32_t>(triangle[1]),
                                static_cast<std::uint32_t>(triangle[2])});
     mesh_.materials.push_back(Material::kHandSkin);
   }
@@ -202,12 +208,15 @@ void Person::addHand(const HandModel& hand, const RoomOptions& options) {
 
 void Person::addForearm(const RoomOptions& options) {
   const double width = 0.95 * wrist_width_m_, depth = 0.95 * wrist_depth_m_;
-  const std::vector<Ring> limb = {
-      {-kForearm, 0.044, 0.042}, {-0.19, 0.046, 0.042}, {-0.07, 1.06 * width, 1.08 * depth}, {-0.002, width, depth}};
+  const std::vector<Ring> limb = {{-kForearm, 0.044, 0.042},
+                                  {-0.19, 0.046, 0.042},
+                                  {-0.07, 1.06 * width, 1.08 * depth},
+                                  {-0.002, width, depth}};
   const bool sleeve = options.arm == Arm::kSleeve;
   const double cuff = -std::clamp(options.sleeve_from_wrist_m, 0.0, 0.9 * kForearm);
   std::vector<Ring> bare = limb;
-  if (sleeve) bare = {between(limb, std::max(cuff - 0.03, -kForearm)), between(limb, 0.5 * cuff), limb.back()};
+  if (sleeve)
+    bare = {between(limb, std::max(cuff - 0.03, -kForearm)), between(limb, 0.5 * cuff), limb.back()};
   addLoft(mesh_, Bone::kForearm, Material::kSkin, Pose::Identity(), bare, sleeve ? 0.01 : 0.008);
   if (sleeve) {
     Ring end = between(limb, cuff);
@@ -237,7 +246,8 @@ void Person::addBody() {
   addBalls(Bone::kTorso, {0.05, 0, 0}, {0.60, 0, 0}, 0.15, 0.14);
   // the other arm rests on the lap
   const Vec3 shoulder(neck + kShoulderFromNeck.z(), -side_ * kShoulderFromNeck.x(), 0);
-  const Vec3 elbow = shoulder + Vec3(-0.29, -side_ * 0.07, 0.05), wrist = elbow + Vec3(-0.07, side_ * 0.10, 0.22);
+  const Vec3 elbow = shoulder + Vec3(-0.29, -side_ * 0.07, 0.05),
+             wrist = elbow + Vec3(-0.07, side_ * 0.10, 0.22);
   addLoft(mesh_, Bone::kTorso, Material::kShirt, frameAt(elbow, elbow - shoulder, Vec3::UnitZ()),
           {{-(elbow - shoulder).norm(), 0.062, 0.060}, {0, 0.048, 0.048}}, 0.044);
   addLoft(mesh_, Bone::kTorso, Material::kShirt, frameAt(wrist, wrist - elbow, Vec3::UnitX()),
@@ -254,7 +264,8 @@ void Person::addBody() {
 }
 
 void Person::addBalls(Bone bone, const Vec3& from, const Vec3& to, double radius_from, double radius_to) {
-  const int steps = std::max(1, static_cast<int>(std::ceil((to - from).norm() / (1.2 * std::min(radius_from, radius_to)))));
+  const int steps =
+      std::max(1, static_cast<int>(std::ceil((to - from).norm() / (1.2 * std::min(radius_from, radius_to)))));
   for (int step = 1; step <= steps; ++step) {
     const double t = static_cast<double>(step) / steps;
     balls_.push_back({bone, from + t * (to - from), radius_from + t * (radius_to - radius_from)});
@@ -277,7 +288,8 @@ BonePoses Person::poses(const Pose& room_from_wrist) const {
   const Vec3 ahead = (wrist - upright).normalized();
   const Vec3 lean = softExcess((wrist - upright).norm(), 0.9 * (kUpperArm + kForearm)) * ahead;
   const Vec3 shoulder = upright + lean, to_wrist = wrist - shoulder, axis = to_wrist.normalized();
-  // The elbow is on a circle about the axis, as far as possible behind the hand, and somewhat outwards and down.
+  // The elbow is on a circle about the axis, as far as possible behind the hand, and somewhat outwards and
+  // down.
   const double reach = to_wrist.norm();
   const double along = (kUpperArm * kUpperArm - kForearm * kForearm + reach * reach) / (2 * reach);
   const double radius = std::sqrt(std::max(kUpperArm * kUpperArm - along * along, 1e-6));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A hand with its arm and the seated person that it belongs to: a mesh of rigid parts, and where they are for a pose of the hand.
+// A hand with its arm and the seated person that it belongs to: a mesh of rigid parts, and where they are for
+// a pose of the hand.
 #pragma once
 
 #include "engine/hand/hand_model.h"
@@ -37,8 +38,8 @@ struct ShadowBall {
   double radius_m;
 };
 
-/// Whether a hand model is a left hand: seen with the fingers up and the thumb to the left, the fingers and the thumb of a
-/// left hand bend towards the viewer, those of a right hand away.
+/// Whether a hand model is a left hand: seen with the fingers up and the thumb to the left, the fingers and
+/// the thumb of a left hand bend towards the viewer, those of a right hand away.
 bool isLeftHand(const HandModel& hand);
 
 class Person {
@@ -48,13 +49,13 @@ class Person {
   const FigureMesh& mesh() const { return mesh_; }
   const std::vector<ShadowBall>& shadowBalls() const { return balls_; }
 
-  /// The pose of the wrist frame in which roomScript() moves the hand: origin at the wrist joint, x to the middle
-  /// finger's knuckle, z out of the back of the hand. It accounts for the scale.
+  /// The pose of the wrist frame in which roomScript() moves the hand: origin at the wrist joint, x to the
+  /// middle finger's knuckle, z out of the back of the hand. It accounts for the scale.
   const Pose& handFromWrist() const { return hand_from_wrist_; }
   /// The mirror image of a right hand's room_from_wrist if this hand is a left one.
   Pose sided(const Pose& room_from_wrist) const;
-  /// Where every part is. The forearm ends at the wrist; the elbow follows from the shoulder, which follows the hand if
-  /// that is out of reach.
+  /// Where every part is. The forearm ends at the wrist; the elbow follows from the shoulder, which follows
+  /// the hand if that is out of reach.
   BonePoses poses(const Pose& room_from_wrist) const;
 
  private:

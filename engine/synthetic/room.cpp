@@ -14,8 +14,8 @@ namespace {
 
 /// Samples per pixel: each with its own instant of the exposure and its own place in the pixel.
 constexpr int kSamples = 16;
-/// How long before it first appears the hand starts to move, if nobody is there during the background's frames: it appears
-/// on its way into the cube.
+/// How long before it first appears the hand starts to move, if nobody is there during the background's
+/// frames: it appears on its way into the cube.
 constexpr double kUnderWayS = 0.6;
 constexpr double kSlowCloudS = 1.6, kSuddenS = 0.1, kCloudLight = 0.6;
 
@@ -117,10 +117,11 @@ Rig roomRig(int count, const Pose& world_from_room) {
     double azimuth_degrees, elevation_degrees, distance_m, focal_pixels, k1, k2;
   };
   // The person sits at azimuth 270. No two are opposite each other.
-  const Place places[] = {{"left", 142, 27, 1.02, 556, -0.156, 0.054},  {"right", 48, 24, 1.08, 561, -0.177, 0.042},
-                          {"above", 100, 74, 0.98, 552, -0.142, 0.047}, {"side", 8, 20, 1.00, 548, -0.150, 0.039},
-                          {"front", 84, 33, 1.10, 566, -0.163, 0.051},  {"far", 176, 38, 1.05, 550, -0.139, 0.044},
-                          {"back", 318, 55, 0.94, 543, -0.171, 0.058},  {"over", 218, 52, 0.97, 558, -0.148, 0.036}};
+  const Place places[] = {
+      {"left", 142, 27, 1.02, 556, -0.156, 0.054},  {"right", 48, 24, 1.08, 561, -0.177, 0.042},
+      {"above", 100, 74, 0.98, 552, -0.142, 0.047}, {"side", 8, 20, 1.00, 548, -0.150, 0.039},
+      {"front", 84, 33, 1.10, 566, -0.163, 0.051},  {"far", 176, 38, 1.05, 550, -0.139, 0.044},
+      {"back", 318, 55, 0.94, 543, -0.171, 0.058},  {"over", 218, 52, 0.97, 558, -0.148, 0.036}};
   if (count < 2 || count > 8) throw Error("the room has 2 to 8 cameras, not " + std::to_string(count));
   Rig rig;
   for (int i = 0; i < count; ++i) {
@@ -132,7 +133,8 @@ Rig roomRig(int count, const Pose& world_from_room) {
     camera.lens.fx = camera.lens.fy = place.focal_pixels;
     camera.lens.cx = 319.5 + 2.5 * std::sin(i + 1.0);
     camera.lens.cy = 239.5 + 2.5 * std::cos(3.0 * i);
-    camera.lens.distortion = {place.k1, place.k2, 5e-4 * std::sin(2.0 * i), 5e-4 * std::cos(5.0 * i), 0, 0, 0, 0};
+    camera.lens.distortion = {place.k1, place.k2, 5e-4 * std::sin(2.0 * i), 5e-4 * std::cos(5.0 * i), 0, 0,
+                              0,        0};
     camera.lens = withMonotonicRange(camera.lens);
     const double azimuth = place.azimuth_degrees * std::numbers::pi / 180;
     const double elevation = place.elevation_degrees * std::numbers::pi / 180;
@@ -178,15 +180,17 @@ struct Room::Parts {
     Random random(o.seed + 600);
     for (Camera camera : o.rig.cameras) {
       camera.camera_from_world = camera.camera_from_world * o.world_from_room;  // now camera_from_room
-      const Drift drift{random.uniform(0, 1) < 0.5 ? -1. : 1., random.uniform(2.2, 4.5), random.uniform(0, 1) < 0.5 ? -1. : 1.,
-                        random.uniform(2.5, 5), random.uniform(0, 1)};
+      const Drift drift{random.uniform(0, 1) < 0.5 ? -1. : 1., random.uniform(2.2, 4.5),
+                        random.uniform(0, 1) < 0.5 ? -1. : 1., random.uniform(2.5, 5), random.uniform(0, 1)};
       cameras.push_back({scene.view(camera), FigureView(camera, person.mesh(), colors), drift});
     }
     // the offsets span the whole spread
     double low = 1, high = 0;
-    for (const CameraParts& camera : cameras) low = std::min(low, camera.drift.offset_s), high = std::max(high, camera.drift.offset_s);
+    for (const CameraParts& camera : cameras)
+      low = std::min(low, camera.drift.offset_s), high = std::max(high, camera.drift.offset_s);
     for (CameraParts& camera : cameras)
-      camera.drift.offset_s = high > low ? o.clock_spread_s * (camera.drift.offset_s - low) / (high - low) : 0;
+      camera.drift.offset_s =
+          high > low ? o.clock_spread_s * (camera.drift.offset_s - low) / (high - low) : 0;
   }
 
   /// Empty while nobody is there.
@@ -247,7 +251,8 @@ double Room::daylightAt(double time_s) const {
   return 1;
 }
 
-/// Ambient light from above and, less, from the desk; the window's light, which skin carries a little past the terminator.
+/// Ambient light from above and, less, from the desk; the window's light, which skin carries a little past
+/// the terminator.
 std::vector<Vec3f> Room::Parts::vertexLight(const BonePoses& poses, double daylight) const {
   const FigureMesh& mesh = person.mesh();
   std::vector<Vec3f> light(mesh.positions.size());
@@ -258,7 +263,8 @@ std::vector<Vec3f> Room::Parts::vertexLight(const BonePoses& poses, double dayli
     for (std::uint32_t i = part.first; i < part.first + part.count; ++i) {
       const Vec3f normal = room_from_bone * mesh.normals[i];
       const Vec3f bleed(0.30f, 0.20f, 0.16f);
-      const Eigen::Array3f facing = ((Vec3f::Constant(normal.dot(to_window)) + bleed).array() / (1 + bleed.array())).max(0.f);
+      const Eigen::Array3f facing =
+          ((Vec3f::Constant(normal.dot(to_window)) + bleed).array() / (1 + bleed.array())).max(0.f);
       const float around = kAmbientLight * (0.62f + 0.38f * normal.z()) * mesh.open[i];
       const Vec3f received = (around + window * (0.35f + 0.65f * mesh.open[i]) * facing).matrix();
       light[i] = received.cwiseProduct(mesh.tint[i]);
@@ -271,7 +277,8 @@ void Room::Parts::drawFigure(CameraParts& camera, double time_s, double daylight
   camera.figure.begin(vertexLight(person.poses(*roomFromWrist(time_s)), daylight));
   for (const Sample& sample : samples) {
     const double instant_s = std::max(time_s + sample.time * options.exposure_s, appears_s);
-    camera.figure.addSample(person.poses(*roomFromWrist(instant_s)), sample.offset, camera.view.depth_m[sample.quadrant]);
+    camera.figure.addSample(person.poses(*roomFromWrist(instant_s)), sample.offset,
+                            camera.view.depth_m[sample.quadrant]);
   }
 }
 
@@ -289,28 +296,34 @@ void Room::render(std::size_t index, int frame, std::span<std::uint8_t> bgr) {
     if (options.has_shadows) {
       const BonePoses poses = parts.person.poses(*room_from_wrist);
       for (const ShadowBall& ball : parts.person.shadowBalls())
-        shadow.add(poses[static_cast<std::size_t>(ball.bone)] * ball.center, ball.radius_m, parts.scene.toWindow());
+        shadow.add(poses[static_cast<std::size_t>(ball.bone)] * ball.center, ball.radius_m,
+                   parts.scene.toWindow());
     }
   }
   const Vec3f gain = gainAt(index, time_s).cast<float>();
   const auto dark = static_cast<float>(options.noise_dark * options.noise_dark);
-  const auto per_value = static_cast<float>((options.noise_bright * options.noise_bright - options.noise_dark * options.noise_dark) / 255);
-  const std::uint64_t key = mixed((std::uint64_t(options.seed) << 40) ^ (std::uint64_t(index) << 32) ^ std::uint64_t(frame));
+  const auto per_value = static_cast<float>(
+      (options.noise_bright * options.noise_bright - options.noise_dark * options.noise_dark) / 255);
+  const std::uint64_t key =
+      mixed((std::uint64_t(options.seed) << 40) ^ (std::uint64_t(index) << 32) ^ std::uint64_t(frame));
   const float corner = 4.f / static_cast<float>(width * width + height * height);
   const FigureView& figure = camera.figure;
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
-      const std::size_t i = static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+      const std::size_t i =
+          static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
       Eigen::Vector2f light(1, static_cast<float>(daylight));
       if (room_from_wrist && !std::isnan(camera.view.desk[i].x())) {
         const Eigen::Vector2f reaches = shadow.at(camera.view.desk[i]);
         light = light.cwiseProduct(reaches);
       }
       Vec3f linear = light.x() * camera.view.ambient[i] + light.y() * camera.view.window[i];
-      if (camera.shows_figure && x >= figure.left() && x < figure.right() && y >= figure.top() && y < figure.bottom())
+      if (camera.shows_figure && x >= figure.left() && x < figure.right() && y >= figure.top() &&
+          y < figure.bottom())
         if (const int shown = figure.figureSamples()[i])
           linear = (1.f / kSamples) * (figure.light()[i] + static_cast<float>(kSamples - shown) * linear);
-      const float dx = static_cast<float>(x) - 0.5f * static_cast<float>(width), dy = static_cast<float>(y) - 0.5f * static_cast<float>(height);
+      const float dx = static_cast<float>(x) - 0.5f * static_cast<float>(width),
+                  dy = static_cast<float>(y) - 0.5f * static_cast<float>(height);
       linear *= 1 - 0.3f * (dx * dx + dy * dy) * corner;  // the lens's vignette
       std::uint64_t chance = mixed(key + i);
       for (int channel = 2; channel >= 0; --channel) {  // blue first
@@ -318,7 +331,8 @@ void Room::render(std::size_t index, int frame, std::span<std::uint8_t> bgr) {
         const float sigma = std::sqrt(dark + per_value * value);
         const float noisy = value + sigma * parts.normal[chance & (parts.normal.size() - 1)];
         chance >>= 12;
-        bgr[3 * i + static_cast<std::size_t>(2 - channel)] = static_cast<std::uint8_t>(std::clamp(noisy + 0.5f, 0.f, 255.f));
+        bgr[3 * i + static_cast<std::size_t>(2 - channel)] =
+            static_cast<std::uint8_t>(std::clamp(noisy + 0.5f, 0.f, 255.f));
       }
     }
 }
@@ -327,7 +341,8 @@ std::vector<float> Room::handCoverage(std::size_t index) const {
   const CameraParts& camera = parts_->cameras[index];
   std::vector<float> coverage(camera.view.ambient.size(), 0.f);
   if (camera.shows_figure)
-    for (std::size_t i = 0; i < coverage.size(); ++i) coverage[i] = static_cast<float>(camera.figure.handSamples()[i]) / kSamples;
+    for (std::size_t i = 0; i < coverage.size(); ++i)
+      coverage[i] = static_cast<float>(camera.figure.handSamples()[i]) / kSamples;
   return coverage;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A hand over a desk in a lived-in room, as a rig's cameras would record it: a person behind the hand, soft shadows,
-// changing light, drifting exposure and white balance, motion blur, noise, and clocks of their own. Rendered on the CPU:
-// equal options give the same images on every device.
+// A hand over a desk in a lived-in room, as a rig's cameras would record it: a person behind the hand, soft
+// shadows, changing light, drifting exposure and white balance, motion blur, noise, and clocks of their own.
+// Rendered on the CPU: equal options give the same images on every device.
 #pragma once
 
 #include <memory>
@@ -19,7 +19,8 @@ class Room {
   ~Room();
   Room(Room&&) noexcept;
 
-  /// The true world_from_hand: of the hand model, scaled about its frame's origin. Empty while there is no hand.
+  /// The true world_from_hand: of the hand model, scaled about its frame's origin. Empty while there is no
+  /// hand.
   std::optional<Pose> handAt(double time_s) const;
   /// Whether the whole hand is inside the cube.
   bool isHandInCube(double time_s) const;
@@ -31,8 +32,8 @@ class Room {
   /// The factor of the window's light.
   double daylightAt(double time_s) const;
 
-  /// Renders a camera's image of a frame, BGR, 3 bytes per pixel, rows from the top. Different cameras can be rendered at the
-  /// same time on different threads.
+  /// Renders a camera's image of a frame, BGR, 3 bytes per pixel, rows from the top. Different cameras can be
+  /// rendered at the same time on different threads.
   void render(std::size_t camera, int frame, std::span<std::uint8_t> bgr);
   /// Of the camera's last image: the fraction of each pixel in which the hand's skin is visible, row by row.
   std::vector<float> handCoverage(std::size_t camera) const;

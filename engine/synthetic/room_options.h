@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // What a rendered room contains, and how its cameras see it.
 //
-// Room frame: metres, z up, origin at the cube's centre. The desk's top is at kDeskZ; the person sits at the desk's side
-// towards -y and looks towards +y.
+// Room frame: metres, z up, origin at the cube's centre. The desk's top is at kDeskZ; the person sits at the
+// desk's side towards -y and looks towards +y.
 #pragma once
 
 #include "engine/camera/rig.h"
@@ -15,9 +15,9 @@ inline constexpr double kDeskZ = -0.25;
 /// sRGB, 0 to 1.
 inline const Vec3 kLightSkin(0.90, 0.71, 0.62), kMediumSkin(0.76, 0.55, 0.42), kDarkSkin(0.36, 0.235, 0.18);
 
-/// `count` (2 to 8) cameras of 640 x 480 pixels around the desk, about 1 m from the cube's centre, with the lens
-/// distortion of webcams. Some look at the person, one looks down. `world_from_room` places the room in the world; the
-/// cube keeps the world's axes.
+/// `count` (2 to 8) cameras of 640 x 480 pixels around the desk, about 1 m from the cube's centre, with the
+/// lens distortion of webcams. Some look at the person, one looks down. `world_from_room` places the room in
+/// the world; the cube keeps the world's axes.
 Rig roomRig(int count, const Pose& world_from_room = Pose::Identity());
 
 enum class Arm {
@@ -60,10 +60,11 @@ struct RoomOptions {
   double peak_speed_m_s = 0.6;  ///< of the wrist, while the hand is in the cube
   double still_s = 1;           ///< how long the hand rests in the cube; 0: not at all
 
-  double exposure_s = 1.0 / 80;       ///< motion blur; 0: none
-  double noise_dark = 1.2;            ///< standard deviation at black, on a scale of 255
-  double noise_bright = 3.2;          ///< standard deviation at white
-  double exposure_drift = 0.08;       ///< relative amplitude of the images' brightness, different per camera; 0 at the start
+  double exposure_s = 1.0 / 80;  ///< motion blur; 0: none
+  double noise_dark = 1.2;       ///< standard deviation at black, on a scale of 255
+  double noise_bright = 3.2;     ///< standard deviation at white
+  double exposure_drift =
+      0.08;  ///< relative amplitude of the images' brightness, different per camera; 0 at the start
   double white_balance_drift = 0.03;  ///< relative amplitude of red, and of blue in the opposite direction
   Daylight daylight = Daylight::kSteady;
   double clock_spread_s = 0;  ///< the cameras' offsets are distributed over this time; 0: synchronised

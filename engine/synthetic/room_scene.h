@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The room without the person: desk, floor, walls, a box and a cup, as a camera sees them, and soft shadows on the desk.
+// The room without the person: desk, floor, walls, a box and a cup, as a camera sees them, and soft shadows
+// on the desk.
 #pragma once
 
 #include <span>
@@ -10,9 +11,11 @@ namespace airclay {
 
 /// What a camera sees of the empty room. Linear light; row by row.
 struct RoomView {
-  std::vector<Vec3f> ambient, window;  ///< light received from everywhere and from the window, times the albedo
-  std::vector<Eigen::Vector2f> desk;   ///< where on the desk the pixel's centre is: x, y; NaN: elsewhere
-  /// The depth along the camera's axis at the centre of each quadrant of each pixel: (0, 0), (1, 0), (0, 1), (1, 1).
+  std::vector<Vec3f> ambient,
+      window;  ///< light received from everywhere and from the window, times the albedo
+  std::vector<Eigen::Vector2f> desk;  ///< where on the desk the pixel's centre is: x, y; NaN: elsewhere
+  /// The depth along the camera's axis at the centre of each quadrant of each pixel: (0, 0), (1, 0), (0, 1),
+  /// (1, 1).
   std::array<std::vector<float>, 4> depth_m;
 };
 
@@ -55,7 +58,8 @@ class RoomScene {
   double turn_ = 0;  // of the wood's grain
 };
 
-/// The light of the room: ambient is for an unobstructed surface that faces up, window for one that faces the window.
+/// The light of the room: ambient is for an unobstructed surface that faces up, window for one that faces the
+/// window.
 inline constexpr float kAmbientLight = 0.42f, kWindowLight = 0.62f;
 
 }  // namespace airclay

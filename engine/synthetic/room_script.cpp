@@ -19,23 +19,24 @@ double radians(double degrees) {
   return degrees * std::numbers::pi / 180;
 }
 
-/// The wrist at `wrist`, the fingers at `yaw` from +y (positive to the left) and `pitch` above the horizontal; `roll`
-/// about the fingers, 0 for palm down, positive for thumb up.
+/// The wrist at `wrist`, the fingers at `yaw` from +y (positive to the left) and `pitch` above the
+/// horizontal; `roll` about the fingers, 0 for palm down, positive for thumb up.
 Pose wristPose(const Vec3& wrist, double yaw, double pitch, double roll) {
   Pose pose = Pose::Identity();
-  pose.linear() = (Eigen::AngleAxisd(radians(90 + yaw), Vec3::UnitZ()) *
-                   Eigen::AngleAxisd(radians(-pitch), Vec3::UnitY()) *
-                   Eigen::AngleAxisd(radians(roll), Vec3::UnitX()))
-                      .toRotationMatrix();
+  pose.linear() =
+      (Eigen::AngleAxisd(radians(90 + yaw), Vec3::UnitZ()) *
+       Eigen::AngleAxisd(radians(-pitch), Vec3::UnitY()) * Eigen::AngleAxisd(radians(roll), Vec3::UnitX()))
+          .toRotationMatrix();
   pose.translation() = wrist;
   return pose;
 }
 
-/// The hand's centre is within 14 cm of the cube's, so the hand is inside the cube's inscribed sphere: the cube may have
-/// any orientation relative to the desk.
+/// The hand's centre is within 14 cm of the cube's, so the hand is inside the cube's inscribed sphere: the
+/// cube may have any orientation relative to the desk.
 Pose randomPose(Random& random) {
   for (;;) {
-    const double yaw = random.uniform(-45, 55), pitch = random.uniform(-40, 35), roll = random.uniform(-60, 120);
+    const double yaw = random.uniform(-45, 55), pitch = random.uniform(-40, 35),
+                 roll = random.uniform(-60, 120);
     const Vec3 center(random.uniform(-0.12, 0.12), random.uniform(-0.12, 0.10), random.uniform(-0.10, 0.12));
     Pose pose = wristPose(Vec3::Zero(), yaw, pitch, roll);
     pose.translation() = center - pose.linear() * Vec3(0.08, 0, 0);
@@ -46,7 +47,8 @@ Pose randomPose(Random& random) {
 double durationOf(const Pose& from, const Pose& to, const RoomPath& path) {
   const double shift_m = (to.translation() - from.translation()).norm();
   const double turn = angleBetween(from.linear(), to.linear());
-  return std::max({kPeakOverMean * shift_m / path.peak_speed_m_s, kPeakOverMean * turn / kPeakTurnRadPerS, 0.2});
+  return std::max(
+      {kPeakOverMean * shift_m / path.peak_speed_m_s, kPeakOverMean * turn / kPeakTurnRadPerS, 0.2});
 }
 
 }  // namespace

@@ -16,8 +16,8 @@ struct RoomPath {
   double still_s = 1;
 };
 
-/// room_from_wrist of a right hand: x along the fingers, z out of the back of the hand, origin at the wrist. From the
-/// beginning of time the hand is at its place of rest.
+/// room_from_wrist of a right hand: x along the fingers, z out of the back of the hand, origin at the wrist.
+/// From the beginning of time the hand is at its place of rest.
 HandScript roomScript(const RoomPath& path);
 
 }  // namespace airclay

@@ -53,7 +53,8 @@ float NoiseVolume::smooth(const Vec3f& cells) const {
   float sum = 0;
   for (int corner = 0; corner < 8; ++corner) {
     const int dx = corner & 1, dy = corner >> 1 & 1, dz = corner >> 2;
-    sum += (dx ? t.x() : 1 - t.x()) * (dy ? t.y() : 1 - t.y()) * (dz ? t.z() : 1 - t.z()) * at(x + dx, y + dy, z + dz);
+    sum += (dx ? t.x() : 1 - t.x()) * (dy ? t.y() : 1 - t.y()) * (dz ? t.z() : 1 - t.z()) *
+           at(x + dx, y + dy, z + dz);
   }
   return sum;
 }

@@ -12,8 +12,8 @@ namespace airclay {
 
 using Vec3f = Eigen::Vector3f;
 
-/// Linear light from an sRGB colour, 0 to 1, by the pure power law with which the room's cameras encode (exponent 2.2):
-/// a gain of linear light is then a gain of the image too.
+/// Linear light from an sRGB colour, 0 to 1, by the pure power law with which the room's cameras encode
+/// (exponent 2.2): a gain of linear light is then a gain of the image too.
 Vec3f linearFromSrgb(const Vec3& srgb);
 inline constexpr double kEncodingGamma = 2.2;
 
@@ -29,7 +29,8 @@ class Random {
   std::mt19937 engine_;
 };
 
-/// Fractal value noise on a lattice that repeats after kSide cells: 0 to 1, mean about 1/2, with features of 2 to 16 cells.
+/// Fractal value noise on a lattice that repeats after kSide cells: 0 to 1, mean about 1/2, with features of
+/// 2 to 16 cells.
 class NoiseVolume {
  public:
   explicit NoiseVolume(std::uint32_t seed);
@@ -42,7 +43,8 @@ class NoiseVolume {
  private:
   static constexpr int kSide = 64;
   float at(int x, int y, int z) const {
-    return values_[static_cast<std::size_t>(((z & (kSide - 1)) * kSide + (y & (kSide - 1))) * kSide + (x & (kSide - 1)))];
+    return values_[static_cast<std::size_t>(((z & (kSide - 1)) * kSide + (y & (kSide - 1))) * kSide +
+                                            (x & (kSide - 1)))];
   }
   std::vector<float> values_;
 };
