@@ -42,7 +42,16 @@ int writeSmallTake(const std::filesystem::path& folder, const SmallTake& take) {
     images.emplace_back(std::size_t(3) * std::size_t(camera.width) * std::size_t(camera.height));
   }
   const std::vector<std::span<std::uint8_t>> buffers(images.begin(), images.end());
-  for (int frame = 0; synthetic.readImages(frame, buffers); ++frame)
+  constexpr int kDistinctEmptyFrames = 30;  // further ones repeat these, which saves the time to write them
+  for (int frame = 0; frame < synthetic.frameCount(); ++frame) {
+    if (frame >= kDistinctEmptyFrames && frame < take.empty_frames) {
+      for (const Camera& camera : synthetic.rig().cameras)
+        std::filesystem::create_hard_link(
+            folder / camera.name / (std::to_string(frame % kDistinctEmptyFrames) + ".png"),
+            folder / camera.name / (std::to_string(frame) + ".png"));
+      continue;
+    }
+    synthetic.readImages(frame, buffers);
     for (std::size_t c = 0; c < images.size(); ++c) {
       std::vector<std::uint8_t> rgba;
       for (std::size_t i = 0; i < images[c].size(); i += 3)
@@ -50,6 +59,7 @@ int writeSmallTake(const std::filesystem::path& folder, const SmallTake& take) {
       const Camera& camera = synthetic.rig().cameras[c];
       writePng(folder / camera.name / (std::to_string(frame) + ".png"), {camera.width, camera.height}, rgba);
     }
+  }
   return synthetic.frameCount();
 }
 
