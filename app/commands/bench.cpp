@@ -17,10 +17,14 @@ std::string ratio(double value) {
   return fixed(value, value < 0.1 ? 3 : value < 1 ? 2 : 1);
 }
 
-void runBench(const CommonOptions& options) {
+struct BenchCommandOptions : CommonOptions {
+  double stage_s = BenchOptions{}.stage_s;
+};
+
+void runBench(const BenchCommandOptions& options) {
   checkVoxels(options.voxels);
   CommandGpu gpu(options);
-  const std::vector<StageTiming> stages = benchStages(gpu, {options.voxels});
+  const std::vector<StageTiming> stages = benchStages(gpu, {options.voxels, options.stage_s});
   std::vector<std::vector<std::string>> rows = {
       {"stage", "GPU ms", "wall ms", "work", "", "CPU reference", "peer", "peer library"}};
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
@@ -46,7 +50,10 @@ void runBench(const CommonOptions& options) {
 
 void addBench(CLI::App& program, int&) {
   CLI::App* command = program.add_subcommand("bench", "time each stage and the whole frame");
-  const auto options = std::make_shared<CommonOptions>();
+  const auto options = std::make_shared<BenchCommandOptions>();
+  command->add_option("--seconds", options->stage_s, "time for repeated runs of each stage [1.2]")
+      ->check(CLI::Range(0.0, 60.0).description(""))
+      ->type_name("S");
   addCommonOptions(*command, *options, Uses::kDeviceAndVoxels, true);
   command->footer(
       "The columns \"CPU reference\" and \"peer\" are their times divided by Airclay's, measured in the same "

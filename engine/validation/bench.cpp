@@ -25,7 +25,7 @@ constexpr int kBackgroundFrames = 10;
 constexpr int kPressingFrame = 54;  // the hand is against the clay's side
 // Chosen so that the whole benchmark takes about a minute on two idle cores.
 constexpr int kMinRepeats = 3, kMaxRepeats = 60;
-constexpr double kStageBudgetMs = 1200, kWarmUpMs = 100;
+constexpr double kWarmUpMs = 100;
 constexpr std::size_t kMaxFrames = 15;  // during the hand's first press
 // Above this, the reference takes longer than a second or two and is not timed.
 constexpr int kMaxReferenceVoxels = 128;
@@ -56,8 +56,42 @@ struct Stage {
   std::function<void()> peer = {};
 };
 
-StageTiming timeStage(Gpu& gpu, const Stage& stage) {
-  Recorder recorder(gpu);
+/// The demo's scene with a learned background and one frame's images and masks.
+struct Scene {
+  Scene(Gpu& device, double ms_per_stage)
+      : gpu(device),
+        stage_ms(ms_per_stage),
+        gpu_rig(gpu, rig),
+        cameras(gpu, gpu_rig),
+        silhouettes(gpu, gpu_rig) {
+    Recorder recorder(gpu);
+    for (int frame = 0; frame < kBackgroundFrames; ++frame) {
+      const Buffer<std::uint32_t>& empty = cameras.draw(frame);
+      recorder.begin();
+      silhouettes.recordLearning(recorder, empty);
+      if (frame + 1 == kBackgroundFrames) silhouettes.finishLearning(recorder);
+      recorder.submitAndWait();
+    }
+    cameras.draw(kPressingFrame);
+    recorder.begin();
+    silhouettes.record(recorder, images());
+    recorder.submitAndWait();
+    masks = gpu_rig.unpack(silhouettes.masks().host());
+  }
+  const Buffer<std::uint32_t>& images() const { return cameras.images(); }
+
+  Gpu& gpu;
+  double stage_ms;  ///< for repeated runs of a stage
+  Rig rig = demoRig();
+  GpuRig gpu_rig;
+  DemoCameras cameras;
+  Silhouettes silhouettes;
+  HandModel hand = builtInHand(false);
+  std::vector<Silhouette> masks;
+};
+
+StageTiming timeStage(const Scene& scene, const Stage& stage) {
+  Recorder recorder(scene.gpu);
   std::vector<double> gpu_ms, wall_ms, peer_ms;
   const auto run = [&](Timing timing) {
     if (stage.prepare) stage.prepare();
@@ -80,12 +114,12 @@ StageTiming timeStage(Gpu& gpu, const Stage& stage) {
     for (int i = 0; i < at_least || (i < kMaxRepeats && spent_ms < budget_ms); ++i)
       spent_ms += wallMs(repeat);
   };
-  repeatFor(kWarmUpMs, 1);
+  repeatFor(std::min(kWarmUpMs, scene.stage_ms), 1);
   gpu_ms.clear(), wall_ms.clear(), peer_ms.clear();
-  repeatFor(kStageBudgetMs, kMinRepeats);
+  repeatFor(scene.stage_ms, kMinRepeats);
 
-  StageTiming timing{stage.name,      gpu.info().name, median(gpu_ms),
-                     median(wall_ms), stage.work,      stage.work_unit};
+  StageTiming timing{stage.name, scene.gpu.info().name, median(gpu_ms), median(wall_ms),
+                     stage.work, stage.work_unit};
   if (stage.reference) timing.reference_ratio = wallMs(stage.reference) / timing.wall_ms;
   if (stage.peer) {
     timing.peer = stage.peer_name;
@@ -93,35 +127,6 @@ StageTiming timeStage(Gpu& gpu, const Stage& stage) {
   }
   return timing;
 }
-
-/// The demo's scene with a learned background and one frame's images and masks.
-struct Scene {
-  explicit Scene(Gpu& device)
-      : gpu(device), gpu_rig(gpu, rig), cameras(gpu, gpu_rig), silhouettes(gpu, gpu_rig) {
-    Recorder recorder(gpu);
-    for (int frame = 0; frame < kBackgroundFrames; ++frame) {
-      const Buffer<std::uint32_t>& empty = cameras.draw(frame);
-      recorder.begin();
-      silhouettes.recordLearning(recorder, empty);
-      if (frame + 1 == kBackgroundFrames) silhouettes.finishLearning(recorder);
-      recorder.submitAndWait();
-    }
-    cameras.draw(kPressingFrame);
-    recorder.begin();
-    silhouettes.record(recorder, images());
-    recorder.submitAndWait();
-    masks = gpu_rig.unpack(silhouettes.masks().host());
-  }
-  const Buffer<std::uint32_t>& images() const { return cameras.images(); }
-
-  Gpu& gpu;
-  Rig rig = demoRig();
-  GpuRig gpu_rig;
-  DemoCameras cameras;
-  Silhouettes silhouettes;
-  HandModel hand = builtInHand(false);
-  std::vector<Silhouette> masks;
-};
 
 // --- silhouette ---
 
@@ -180,7 +185,7 @@ StageTiming timeSilhouette(Scene& scene) {
   };
   stage.peer_name = "plain loop, 2 threads";
   stage.peer = [&] { loop.run(images); };
-  return timeStage(scene.gpu, stage);
+  return timeStage(scene, stage);
 }
 
 // --- carve ---
@@ -219,13 +224,13 @@ void timeCarve(Scene& scene, int voxels, bool from_bytes, std::vector<StageTimin
     stage.reference = [&] { carveReference(scene.rig, scene.masks, voxels); };
   stage.peer_name = "plain loop, 2 threads";
   stage.peer = [&] { loop.run(scene.masks); };
-  timings.push_back(timeStage(scene.gpu, stage));
+  timings.push_back(timeStage(scene, stage));
   checkSameVoxels(scene, carver.download(), loop);
   if (!from_bytes) return;
   stage.name += " from bytes";
   stage.reference = {};
   stage.host = [&] { scene.gpu_rig.pack(scene.masks, packed.host()); };
-  timings.push_back(timeStage(scene.gpu, stage));
+  timings.push_back(timeStage(scene, stage));
 }
 
 // --- hand pose ---
@@ -255,7 +260,7 @@ void timeHand(Scene& scene, int voxels, std::vector<StageTiming>& timings) {
   distance.work_unit = "cells";
   distance.record = [&](Recorder& r) { field.record(r, carver, grid); };
   distance.reference = [&] { distances = distanceReference(hull, grid); };
-  timings.push_back(timeStage(scene.gpu, distance));
+  timings.push_back(timeStage(scene, distance));
 
   Buffer<GpuFit> fits(scene.gpu, starts.size(), Memory::kHost);
   Stage fit;
@@ -269,7 +274,7 @@ void timeHand(Scene& scene, int voxels, std::vector<StageTiming>& timings) {
   fit.reference = [&] {
     for (const GpuFit& start : starts) fitReference(model, distances, grid, start, {});
   };
-  timings.push_back(timeStage(scene.gpu, fit));
+  timings.push_back(timeStage(scene, fit));
 }
 
 /// The first frame's search over all orientations, which takes several submissions with host work in between.
@@ -281,7 +286,8 @@ StageTiming timeSearch(Scene& scene, int voxels) {
   carver.record(recorder, scene.silhouettes.masks());
   recorder.submitAndWait();
   std::vector<double> gpu_ms, wall_ms;
-  for (double spent_ms = 0; wall_ms.size() < 3 && spent_ms < kStageBudgetMs; spent_ms += wall_ms.back()) {
+  for (double spent_ms = 0; wall_ms.empty() || (wall_ms.size() < 3 && spent_ms < scene.stage_ms);
+       spent_ms += wall_ms.back()) {
     StageTimes stage_ms;
     wall_ms.push_back(wallMs([&] { tracker.search(recorder, stage_ms); }));
     gpu_ms.push_back(sumMs(stage_ms));
@@ -300,11 +306,12 @@ std::vector<vec3> floats(const std::vector<Vec3>& doubles) {
 using Points = Eigen::Matrix<float, Eigen::Dynamic, 3>;
 
 /// Eq. (5) and the normals for the tube subdivided `levels` times.
-void timeSurface(Gpu& gpu, int levels, const std::string& suffix, std::vector<StageTiming>& timings) {
+void timeSurface(const Scene& scene, int levels, const std::string& suffix,
+                 std::vector<StageTiming>& timings) {
   const PolygonMesh cage = presetCage("tube");
   const Subdivision subdivision = subdivide(cage, levels, SubdivisionRule::kCatmullClark);
-  SurfaceEvaluator evaluator(gpu, subdivision);
-  const Buffer<vec3> control_points(gpu, floats(cage.points));
+  SurfaceEvaluator evaluator(scene.gpu, subdivision);
+  const Buffer<vec3> control_points(scene.gpu, floats(cage.points));
   const Eigen::SparseMatrix<float, Eigen::RowMajor> matrix = subdivision.matrix.cast<float>();
   Points control(Eigen::Index(cage.points.size()), 3), data(matrix.rows(), 3);
   for (std::size_t i = 0; i < cage.points.size(); ++i)
@@ -319,7 +326,7 @@ void timeSurface(Gpu& gpu, int levels, const std::string& suffix, std::vector<St
   stage.reference = [&] { points = dataPoints(subdivision.matrix, cage.points); };
   stage.peer_name = "Eigen, sparse";
   stage.peer = [&] { data.noalias() = matrix * control; };
-  timings.push_back(timeStage(gpu, stage));
+  timings.push_back(timeStage(scene, stage));
 
   Stage normals;
   normals.name = "normals" + suffix;
@@ -327,19 +334,20 @@ void timeSurface(Gpu& gpu, int levels, const std::string& suffix, std::vector<St
   normals.work_unit = stage.work_unit;
   normals.record = [&](Recorder& recorder) { evaluator.recordNormals(recorder); };
   normals.reference = [&] { dataNormals(subdivision.quads, points); };
-  timings.push_back(timeStage(gpu, normals));
+  timings.push_back(timeStage(scene, normals));
 }
 
-StageTiming timeSolve(Gpu& gpu) {
+StageTiming timeSolve(const Scene& scene) {
   const PolygonMesh cage = presetCage("tube");
   const StencilMatrix matrix = subdivide(cage, 2, SubdivisionRule::kCatmullClark).matrix;
-  ControlPointSolver solver(gpu, matrix);
+  ControlPointSolver solver(scene.gpu, matrix);
   const AllRowsSolver reference(matrix);
   // a quarter of the points pressed in by a centimetre
   std::vector<Vec3> targets(std::size_t(matrix.rows()), Vec3::Zero());
   for (std::size_t i = 0; i < targets.size() / 4; ++i) targets[i] = Vec3(-0.01, 0, 0);
-  const Buffer<vec3> displacements(gpu, floats(targets)), control_points(gpu, floats(cage.points));
-  Buffer<double> exact_points(gpu, 3 * cage.points.size());
+  const Buffer<vec3> displacements(scene.gpu, floats(targets)),
+      control_points(scene.gpu, floats(cage.points));
+  Buffer<double> exact_points(scene.gpu, 3 * cage.points.size());
   std::vector<double> exact;
   for (const Vec3& point : cage.points) exact.insert(exact.end(), point.data(), point.data() + 3);
   exact_points.upload(exact);
@@ -356,7 +364,7 @@ StageTiming timeSolve(Gpu& gpu) {
   stage.reference = [&] { reference.controlDisplacements(matrix, targets); };
   stage.peer_name = "Eigen, dense inverse";
   stage.peer = [&] { moved.noalias() = inverse * right_side; };
-  return timeStage(gpu, stage);
+  return timeStage(scene, stage);
 }
 
 ClayState tubeClay() {
@@ -405,7 +413,7 @@ StageTiming timeClay(Scene& scene) {
     put(deep);
   };
   stage.record = [&](Recorder& r) { sculptor.record(r, hand_at); };
-  StageTiming timing = timeStage(scene.gpu, stage);
+  StageTiming timing = timeStage(scene, stage);
   if (sculptor.step().touched == 0)
     throw Error("bench: the hand did not touch the clay in frame " + std::to_string(deep) +
                 "; expected contact");
@@ -447,15 +455,15 @@ StageTiming timeFrame(Scene& scene, int voxels) {
 std::vector<StageTiming> benchStages(Gpu& gpu, const BenchOptions& options) {
   checkVoxels(options.voxels);
   std::vector<StageTiming> timings;
-  Scene scene(gpu);
+  Scene scene(gpu, 1000 * options.stage_s);
   timings.push_back(timeSilhouette(scene));
   for (const int voxels : std::set<int>{128, 256, 512, options.voxels})
     timeCarve(scene, voxels, voxels == 128, timings);
   timeHand(scene, options.voxels, timings);
   timings.push_back(timeSearch(scene, options.voxels));
-  timeSurface(gpu, 2, "", timings);
-  timeSurface(gpu, 6, " fine", timings);
-  timings.push_back(timeSolve(gpu));
+  timeSurface(scene, 2, "", timings);
+  timeSurface(scene, 6, " fine", timings);
+  timings.push_back(timeSolve(scene));
   timings.push_back(timeClay(scene));
   timings.push_back(timeFrame(scene, options.voxels));
   return timings;

@@ -14,17 +14,18 @@ struct StageTiming {
   double gpu_ms = 0, wall_ms = 0;  ///< medians
   double work = 0;                 ///< amount processed in one run, in `work_unit`
   std::string work_unit;           ///< voxels, pixels, data points, …
-  double reference_ratio = 0;      ///< the CPU reference's time / ours; 0: not measured
+  double reference_ratio = 0;      ///< the CPU reference's time / Airclay's; 0: not measured
   std::string peer;                ///< the peer's name; empty if there is none
-  double peer_ratio = 0;           ///< the peer's time / ours
+  double peer_ratio = 0;           ///< the peer's time / Airclay's
 };
 
 struct BenchOptions {
-  int voxels = 128;  ///< along the workspace's edge
+  int voxels = 128;      ///< along the workspace's edge
+  double stage_s = 1.2;  ///< for repeated runs of each stage; there are at least three
 };
 
-/// Times each stage in processing order, and `frame`, the whole frame. Runs of the peer and of ours
-/// alternate.
+/// Times each stage in processing order, and `frame`, the whole frame. Runs of the peer and of
+/// Airclay alternate.
 std::vector<StageTiming> benchStages(Gpu& gpu, const BenchOptions& options = {});
 
 }  // namespace airclay

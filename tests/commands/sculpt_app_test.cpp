@@ -262,7 +262,7 @@ TEST(SculptApp, CompareAndBenchPrintTheirKeys) {
     EXPECT_EQ(kernel["pass"], true) << kernel;
     EXPECT_LE(kernel["error"], kernel["tolerance"]) << kernel;
   }
-  const RunResult timed = runAirclay({"bench", "--json"});
+  const RunResult timed = runAirclay({"bench", "--seconds", "0.05", "--json"});
   EXPECT_EQ(timed.status, 0) << timed.errors;
   const json stages = json::parse(timed.output)["stages"];
   EXPECT_TRUE(std::any_of(stages.begin(), stages.end(), [](const json& s) { return s["name"] == "frame"; }));
