@@ -21,7 +21,7 @@ FigureColors::FigureColors(const RoomOptions& options)
 Vec3f FigureColors::albedo(Material material, const Vec3f& texture) const {
   switch (material) {
     case Material::kShirt: {
-      const auto odd = [&](float place) { return static_cast<int>(std::floor(place / stripe_m_)) & 1; };
+      const auto odd = [&](float place) { return floorOf(place / stripe_m_) & 1; };
       const bool along = odd(texture.x()), around = odd(texture.y());
       const float stripe = pattern_ == 0   ? along
                            : pattern_ == 1 ? around
@@ -60,6 +60,7 @@ void FigureView::begin(const std::vector<Vec3f>& light) {
   top_ = camera_.height;
   right_ = bottom_ = 0;
   vertex_light_ = light;
+  facing_.clear();
 }
 
 void FigureView::project(const BonePoses& poses) {
@@ -79,6 +80,18 @@ void FigureView::project(const BonePoses& poses) {
   for (std::size_t bone = 0; bone < kBones; ++bone) projected_[bone] = poses[bone];
 }
 
+void FigureView::chooseFacing() {
+  facing_.clear();
+  for (std::uint32_t i = 0; i < mesh_.triangles.size(); ++i) {
+    const auto& corners = mesh_.triangles[i];
+    const ScreenVertex &a = screen_[corners[0]], &b = screen_[corners[1]], &c = screen_[corners[2]];
+    if (std::isnan(a.z + b.z + c.z)) continue;
+    const float abx = b.x - a.x, aby = b.y - a.y, acx = c.x - a.x, acy = c.y - a.y;
+    const float sides = abx * abx + aby * aby + acx * acx + acy * acy;
+    if (abx * acy - aby * acx < 0.1f * sides) facing_.push_back(i);
+  }
+}
+
 void FigureView::drawTriangle(std::uint32_t index, const Vec2& offset, const std::vector<float>& limit_m) {
   const auto& corners = mesh_.triangles[index];
   const ScreenVertex &a = screen_[corners[0]], &b = screen_[corners[1]], &c = screen_[corners[2]];
@@ -87,27 +100,29 @@ void FigureView::drawTriangle(std::uint32_t index, const Vec2& offset, const std
   if (!(area < 0) || std::isnan(a.z + b.z + c.z)) return;
   const auto ox = static_cast<float>(offset.x()), oy = static_cast<float>(offset.y());
   const auto low = [](float p, float q, float r, float o) {
-    return static_cast<int>(std::ceil(std::max(std::min({p, q, r}) - o, 0.f)));
+    return -floorOf(std::min(o - std::min(std::min(p, q), r), 0.f));
   };
   const auto high = [](float p, float q, float r, float o, int end) {
-    return static_cast<int>(std::floor(std::min(std::max({p, q, r}) - o, static_cast<float>(end - 1)) + 1));
+    return floorOf(std::clamp(std::max(std::max(p, q), r) - o, -1.f, static_cast<float>(end - 1))) + 1;
   };
   const int x0 = low(a.x, b.x, c.x, ox), x1 = high(a.x, b.x, c.x, ox, camera_.width);
   const int y0 = low(a.y, b.y, c.y, oy), y1 = high(a.y, b.y, c.y, oy, camera_.height);
   if (x0 >= x1 || y0 >= y1) return;
-  left_ = std::min(left_, x0), right_ = std::max(right_, x1), top_ = std::min(top_, y0),
-  bottom_ = std::max(bottom_, y1);
+  left_ = std::min(left_, x0), right_ = std::max(right_, x1);
+  top_ = std::min(top_, y0), bottom_ = std::max(bottom_, y1);
+  // a sample is a + u (b - a) + v (c - a)
   const float inverse = 1 / area;
+  const float u_x = (c.y - a.y) * inverse, u_y = (a.x - c.x) * inverse;
+  const float v_x = (a.y - b.y) * inverse, v_y = (b.x - a.x) * inverse;
   for (int y = y0; y < y1; ++y) {
-    const float py = static_cast<float>(y) + oy;
+    const float py = static_cast<float>(y) + oy - a.y;
+    const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width);
     for (int x = x0; x < x1; ++x) {
-      const float px = static_cast<float>(x) + ox;
-      const float u = ((px - a.x) * (c.y - a.y) - (py - a.y) * (c.x - a.x)) * inverse;
-      const float v = ((b.x - a.x) * (py - a.y) - (b.y - a.y) * (px - a.x)) * inverse;
+      const float px = static_cast<float>(x) + ox - a.x;
+      const float u = px * u_x + py * u_y, v = px * v_x + py * v_y;
       if (u < 0 || v < 0 || u + v > 1) continue;
       const float z = a.z + u * (b.z - a.z) + v * (c.z - a.z);
-      const std::size_t i =
-          static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width) + static_cast<std::size_t>(x);
+      const std::size_t i = row + static_cast<std::size_t>(x);
       if (z >= depth_m_[i] || z >= limit_m[i]) continue;
       depth_m_[i] = z;
       triangle_[i] = index + 1;
@@ -142,7 +157,8 @@ void FigureView::shade(const Vec2& offset) {
 
 void FigureView::addSample(const BonePoses& poses, const Vec2& offset, const std::vector<float>& depth_m) {
   project(poses);
-  for (std::uint32_t i = 0; i < mesh_.triangles.size(); ++i) drawTriangle(i, offset, depth_m);
+  if (facing_.empty()) chooseFacing();
+  for (const std::uint32_t i : facing_) drawTriangle(i, offset, depth_m);
   shade(offset);
 }
 

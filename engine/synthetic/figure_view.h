@@ -49,6 +49,7 @@ class FigureView {
     float x, y, z;  ///< pixels; depth, NaN where the lens does not see it
   };
   void project(const BonePoses& poses);
+  void chooseFacing();
   void drawTriangle(std::uint32_t index, const Vec2& offset, const std::vector<float>& limit_m);
   void shade(const Vec2& offset);
 
@@ -57,6 +58,7 @@ class FigureView {
   const FigureColors& colors_;
   std::vector<ScreenVertex> screen_;
   std::array<std::optional<Pose>, kBones> projected_;
+  std::vector<std::uint32_t> facing_;  ///< the triangles that may face the camera during this image's exposure
   std::vector<Vec3f> vertex_light_;
   std::vector<float> depth_m_;
   std::vector<std::uint32_t> triangle_;  ///< 1-based; 0: none

@@ -33,7 +33,7 @@ Ring between(const std::vector<Ring>& rings, double x) {
 
 /// The rings of a body that ends in half ellipsoids of length `cap`, from pole to pole.
 std::vector<Ring> closedRings(const std::vector<Ring>& keys, double cap) {
-  constexpr int kCapSteps = 6;
+  constexpr int kCapSteps = 5;
   std::vector<Ring> rings;
   const auto addCap = [&](const Ring& end, double sign, int step) {
     const double angle = std::numbers::pi / 2 * step / kCapSteps;
@@ -41,7 +41,7 @@ std::vector<Ring> closedRings(const std::vector<Ring>& keys, double cap) {
   };
   for (int step = kCapSteps; step > 0; --step) addCap(keys.front(), -1, step);
   const double length = keys.back().x - keys.front().x;
-  const int steps = std::max(1, static_cast<int>(std::ceil(length / 0.02)));
+  const int steps = std::max(1, static_cast<int>(std::ceil(length / 0.03)));
   for (int step = 0; step <= steps; ++step)
     rings.push_back(between(keys, keys.front().x + length * step / steps));
   for (int step = 1; step <= kCapSteps; ++step) addCap(keys.back(), 1, step);
@@ -57,7 +57,7 @@ void endPart(FigureMesh& mesh, Bone bone) {
 void addLoft(FigureMesh& mesh, Bone bone, Material material, const Pose& bone_from_loft,
              const std::vector<Ring>& keys, double cap) {
   const std::vector<Ring> rings = closedRings(keys, cap);
-  constexpr int kAround = 28;
+  constexpr int kAround = 24;
   const auto point = [&](std::size_t ring, int column) {
     const double angle = 2 * std::numbers::pi * column / kAround;
     return Vec3(rings[ring].x, rings[ring].y * std::cos(angle), rings[ring].z * std::sin(angle));

@@ -90,7 +90,8 @@ struct Drift {
 };
 
 struct CameraParts {
-  RoomView view;
+  Camera camera;  ///< camera_from_room in place of camera_from_world
+  std::optional<RoomView> view;  ///< since the first image
   FigureView figure;
   Drift drift;
   bool shows_figure = false;  ///< in the last image
@@ -182,7 +183,7 @@ struct Room::Parts {
       camera.camera_from_world = camera.camera_from_world * o.world_from_room;  // now camera_from_room
       const Drift drift{random.uniform(0, 1) < 0.5 ? -1. : 1., random.uniform(2.2, 4.5),
                         random.uniform(0, 1) < 0.5 ? -1. : 1., random.uniform(2.5, 5), random.uniform(0, 1)};
-      cameras.push_back({scene.view(camera), FigureView(camera, person.mesh(), colors), drift});
+      cameras.push_back({camera, std::nullopt, FigureView(camera, person.mesh(), colors), drift});
     }
     // the offsets span the whole spread
     double low = 1, high = 0;
@@ -278,7 +279,7 @@ void Room::Parts::drawFigure(CameraParts& camera, double time_s, double daylight
   for (const Sample& sample : samples) {
     const double instant_s = std::max(time_s + sample.time * options.exposure_s, appears_s);
     camera.figure.addSample(person.poses(*roomFromWrist(instant_s)), sample.offset,
-                            camera.view.depth_m[sample.quadrant]);
+                            camera.view->depth_m[sample.quadrant]);
   }
 }
 
@@ -288,6 +289,8 @@ void Room::render(std::size_t index, int frame, std::span<std::uint8_t> bgr) {
   const RoomOptions& options = parts.options;
   const int width = options.rig.cameras[index].width, height = options.rig.cameras[index].height;
   const double time_s = cameraTimesOf(frame)[index], daylight = daylightAt(time_s);
+  if (!camera.view) camera.view = parts.scene.view(camera.camera);
+  const RoomView& view = *camera.view;
   const std::optional<Pose> room_from_wrist = parts.roomFromWrist(time_s);
   camera.shows_figure = room_from_wrist.has_value();
   DeskShadow shadow;
@@ -313,11 +316,11 @@ void Room::render(std::size_t index, int frame, std::span<std::uint8_t> bgr) {
       const std::size_t i =
           static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
       Eigen::Vector2f light(1, static_cast<float>(daylight));
-      if (room_from_wrist && !std::isnan(camera.view.desk[i].x())) {
-        const Eigen::Vector2f reaches = shadow.at(camera.view.desk[i]);
+      if (room_from_wrist && !std::isnan(view.desk[i].x())) {
+        const Eigen::Vector2f reaches = shadow.at(view.desk[i]);
         light = light.cwiseProduct(reaches);
       }
-      Vec3f linear = light.x() * camera.view.ambient[i] + light.y() * camera.view.window[i];
+      Vec3f linear = light.x() * view.ambient[i] + light.y() * view.window[i];
       if (camera.shows_figure && x >= figure.left() && x < figure.right() && y >= figure.top() &&
           y < figure.bottom())
         if (const int shown = figure.figureSamples()[i])
@@ -339,7 +342,7 @@ void Room::render(std::size_t index, int frame, std::span<std::uint8_t> bgr) {
 
 std::vector<float> Room::handCoverage(std::size_t index) const {
   const CameraParts& camera = parts_->cameras[index];
-  std::vector<float> coverage(camera.view.ambient.size(), 0.f);
+  std::vector<float> coverage(camera.figure.handSamples().size(), 0.f);
   if (camera.shows_figure)
     for (std::size_t i = 0; i < coverage.size(); ++i)
       coverage[i] = static_cast<float>(camera.figure.handSamples()[i]) / kSamples;

@@ -34,6 +34,31 @@ double enterBox(const Vec3& eye, const Vec3& direction, const Vec3& half, Vec3& 
   return enter;
 }
 
+/// The rays through every eighth pixel; interpolated between them, since the lens is smooth.
+class RayGrid {
+ public:
+  explicit RayGrid(const Camera& camera) : columns_((camera.width + 2 * kStep - 1) / kStep + 1) {
+    for (int y = 0; y <= (camera.height + 2 * kStep - 1) / kStep; ++y)
+      for (int x = 0; x < columns_; ++x)
+        rays_.push_back(rayThroughPixel(camera.lens, Vec2(x * kStep - 1, y * kStep - 1)));
+  }
+  /// A unit vector in the camera's frame. \pre in the image
+  std::optional<Vec3> through(const Vec2& pixel) const {
+    const double x = (pixel.x() + 1) / kStep, y = (pixel.y() + 1) / kStep;
+    const int column = static_cast<int>(x), row = static_cast<int>(y);
+    const double s = x - column, t = y - row;
+    const auto* at = &rays_[static_cast<std::size_t>(row * columns_ + column)];
+    if (!at[0] || !at[1] || !at[columns_] || !at[columns_ + 1]) return std::nullopt;
+    const Vec3 ray = (1 - t) * ((1 - s) * *at[0] + s * *at[1]) + t * ((1 - s) * *at[columns_] + s * *at[columns_ + 1]);
+    return ray.normalized();
+  }
+
+ private:
+  static constexpr int kStep = 8;
+  int columns_;
+  std::vector<std::optional<Vec3>> rays_;
+};
+
 /// The fraction of a disc of radius `a` that a disc of radius `b` covers at a distance of their centres;
 /// smooth.
 double covered(double a, double b, double distance) {
@@ -179,7 +204,7 @@ Vec3f RoomScene::albedo(const Hit& hit) const {
       // planks of 14 cm along the grain, each shifted; rings are where a noisy field crosses levels
       const auto c = static_cast<float>(std::cos(turn_)), s = static_cast<float>(std::sin(turn_));
       const float along = c * p.x() + s * p.y(), across = c * p.y() - s * p.x();
-      const float plank = std::floor(across / 0.14f);
+      const float plank = static_cast<float>(floorOf(across / 0.14f));
       const float bend = noise_.smooth({along * 9 + plank * 17, across * 40, plank * 5});
       const float ring = 0.5f + 0.5f * std::sin(across * 420 + 16 * bend);
       const float grain = noise_.smooth({along * 60 + plank * 29, across * 900, 3});
@@ -218,6 +243,7 @@ RoomView RoomScene::view(const Camera& camera) const {
   view.window.assign(count, Vec3f::Zero());
   view.desk.assign(count, Eigen::Vector2f::Constant(std::numeric_limits<float>::quiet_NaN()));
   for (std::vector<float>& depth : view.depth_m) depth.assign(count, std::numeric_limits<float>::infinity());
+  const RayGrid rays(camera);
   const Pose room_from_camera = camera.camera_from_world.inverse();
   const Vec3 eye = room_from_camera.translation();
   const std::array<std::pair<Vec3, double>, 3> objects = {{{cup_ + Vec3(0, 0, 0.04), 0.045},
@@ -230,7 +256,7 @@ RoomView RoomScene::view(const Camera& camera) const {
     Vec2 desk = Vec2::Zero();
     for (std::size_t quadrant = 0; quadrant < 4; ++quadrant) {
       const Vec2 pixel(x + (quadrant & 1 ? 0.25 : -0.25), y + (quadrant & 2 ? 0.25 : -0.25));
-      const std::optional<Vec3> ray = rayThroughPixel(camera.lens, pixel);
+      const std::optional<Vec3> ray = rays.through(pixel);
       if (!ray) {
         all_desk = false;
         continue;

@@ -43,13 +43,12 @@ NoiseVolume::NoiseVolume(std::uint32_t seed) : values_(static_cast<std::size_t>(
 }
 
 float NoiseVolume::nearest(const Vec3f& cells) const {
-  return at(static_cast<int>(std::floor(cells.x())), static_cast<int>(std::floor(cells.y())),
-            static_cast<int>(std::floor(cells.z())));
+  return at(floorOf(cells.x()), floorOf(cells.y()), floorOf(cells.z()));
 }
 
 float NoiseVolume::smooth(const Vec3f& cells) const {
-  const Vec3f low = cells.array().floor().matrix(), t = cells - low;
-  const int x = static_cast<int>(low.x()), y = static_cast<int>(low.y()), z = static_cast<int>(low.z());
+  const int x = floorOf(cells.x()), y = floorOf(cells.y()), z = floorOf(cells.z());
+  const Vec3f t = cells - Vec3f(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z));
   float sum = 0;
   for (int corner = 0; corner < 8; ++corner) {
     const int dx = corner & 1, dy = corner >> 1 & 1, dz = corner >> 2;
