@@ -119,6 +119,18 @@ Pose wristFrame(const HandModel& hand, double scale) {
   return frameAt(scale * wrist, along, (isLeftHand(hand) ? -1 : 1) * acrossThePalm(hand));
 }
 
+/// `direction`, turned about `axis` (both unit, perpendicular) by the smallest angle that brings its z to `lowest`, or as
+/// high as it gets.
+Vec3 aboveDesk(const Vec3& direction, const Vec3& axis, double lowest) {
+  if (direction.z() >= lowest) return direction;
+  const Vec3 sideways = axis.cross(direction);
+  // z = highest cos(angle - angle of the highest)
+  const double highest = std::hypot(direction.z(), sideways.z()), at = std::atan2(sideways.z(), direction.z());
+  const double within = std::acos(std::clamp(lowest / highest, -1., 1.));
+  const double angle = at > 0 ? at - within : at + within;
+  return std::cos(angle) * direction + std::sin(angle) * sideways;
+}
+
 /// `length`, or a little more than `limit` where it exceeds that: without a kink.
 double softExcess(double length, double limit) {
   const double over = length - limit;
@@ -294,17 +306,10 @@ BonePoses Person::poses(const Pose& room_from_wrist) const {
   const double along = (kUpperArm * kUpperArm - kForearm * kForearm + reach * reach) / (2 * reach);
   const double radius = std::sqrt(std::max(kUpperArm * kUpperArm - along * along, 1e-6));
   const Vec3 center = shoulder + along * axis;
-  Vec3 towards = wrist - kForearm * room_from_wrist.linear().col(0) - center + Vec3(0.10 * side_, 0, -0.04);
-  towards -= axis * axis.dot(towards);
-  Vec3 elbow = center + radius * towards.normalized();
-  const double lowest = kDeskZ + 0.06;
-  if (elbow.z() < lowest) {  // turn it out until it is above the desk
-    Vec3 outwards = Vec3(side_, 0, 0) - axis * axis.x() * side_;
-    for (int i = 1; i <= 20 && elbow.z() < lowest; ++i) {
-      const Vec3 turned = towards.normalized() + 0.2 * i * (outwards.normalized() + Vec3(0, 0, 0.5));
-      elbow = center + radius * (turned - axis * axis.dot(turned)).normalized();
-    }
-  }
+  // less weight than the bias, so that it never turns over
+  Vec3 towards = 0.5 * (wrist - kForearm * room_from_wrist.linear().col(0) - center) + Vec3(0.20 * side_, 0, -0.12);
+  towards = (towards - axis * axis.dot(towards)).normalized();
+  const Vec3 elbow = center + radius * aboveDesk(towards, axis, (kDeskZ + 0.06 - center.z()) / radius);
   BonePoses poses;
   const auto at = [&](Bone bone) -> Pose& { return poses[static_cast<std::size_t>(bone)]; };
   at(Bone::kHand) = room_from_wrist * hand_from_wrist_.inverse();

@@ -57,7 +57,7 @@ struct RoomOptions {
   int background_frames = 10;
   BackgroundFrames background = BackgroundFrames::kNobody;
   int hand_frames = 90;         ///< after the background
-  double peak_speed_m_s = 0.6;  ///< of the wrist, while the hand is in the cube
+  double peak_speed_m_s = 0.6;  ///< of the wrist between places in the cube; it enters and leaves at up to 1 m/s
   double still_s = 1;           ///< how long the hand rests in the cube; 0: not at all
 
   double exposure_s = 1.0 / 80;  ///< motion blur; 0: none

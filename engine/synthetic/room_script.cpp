@@ -13,7 +13,7 @@ namespace {
 constexpr double kPeakOverMean = 1.875;
 constexpr double kPeakTurnRadPerS = 5;
 /// From the place of rest to the cube and back.
-constexpr double kReachS = 1.1;
+constexpr double kReachS = 1.3;
 
 double radians(double degrees) {
   return degrees * std::numbers::pi / 180;
@@ -64,8 +64,9 @@ HandScript roomScript(const RoomPath& path) {
     const Pose next = randomPose(random);
     const double duration_s = durationOf(at, next, path);
     if (time_s + duration_s > latest_s) return false;
-    const Vec3 bend(random.uniform(-0.02, 0.02), random.uniform(-0.02, 0.02), random.uniform(-0.02, 0.02));
-    moves.push_back({duration_s, next, bend});
+    const double bend_m = 0.1 * (next.translation() - at.translation()).norm();
+    const Vec3 bend(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+    moves.push_back({duration_s, next, bend_m * bend});
     time_s += duration_s;
     at = next;
     return true;

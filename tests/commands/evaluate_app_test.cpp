@@ -120,5 +120,29 @@ TEST(EvaluateApp, TruthIsRequiredAndChecked) {
   EXPECT_FALSE(std::filesystem::exists(out));
 }
 
+TEST(EvaluateApp, SyntheticTakesAreRenderedTrackedAndWritten) {
+  const TemporaryFolder folder;
+  const RunResult result =
+      runAirclay({"evaluate", "--synthetic", "--only", "clean-2", "--keep", folder / "takes", "--voxels", "64", "--json",
+                  "--out", folder / "out"});
+  EXPECT_EQ(result.status, 0) << result.errors;
+  const json takes = json::parse(result.output)["takes"];
+  ASSERT_EQ(takes.size(), 1u);
+  EXPECT_EQ(takes[0]["name"], "clean-2");
+  EXPECT_GT(takes[0]["frames"], 60);
+  EXPECT_TRUE(std::filesystem::exists(folder / "out/clean-2.png"));
+  EXPECT_EQ(readTruth(folder / "takes/clean-2").frames.size(), takes[0]["frames"]);
+  EXPECT_EQ(Take(folder / "takes/clean-2").rig().cameras.size(), 2u);
+}
+
+TEST(EvaluateApp, SyntheticTakesAreSelectedByName) {
+  const TemporaryFolder folder;
+  const std::string out = folder / "out";
+  expectError({"evaluate", "--synthetic", "--only", "cleaner", "--out", out}, 2, "expected one of clean-2, clean-4");
+  expectError({"evaluate", "--synthetic", folder.path(), "--out", out}, 2, "--synthetic");
+  expectError({"evaluate", folder.path(), "--only", "clean-2", "--out", out}, 2, "--synthetic");
+  EXPECT_FALSE(std::filesystem::exists(out));
+}
+
 }  // namespace
 }  // namespace airclay

@@ -3,6 +3,7 @@
 
 #include "engine/core/error.h"
 #include "engine/hand/hand_model.h"
+#include "tests/support/coverage.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/scene.h"
 
@@ -36,58 +37,6 @@ Rig mixedRig() {
   rig.cameras[3].lens.distortion = {0.3, -0.1, 1e-3, -5e-4, 0.02, 0.25, -0.08, 0.01};
   for (Camera& camera : rig.cameras) camera.lens = withMonotonicRange(camera.lens);
   return rig;
-}
-
-/// Area in pixels and centre of mass of a coverage image.
-struct Shape {
-  double area = 0;
-  Vec2 center = Vec2::Zero();
-};
-Shape shapeOf(const std::vector<double>& coverages, int width) {
-  Shape shape;
-  for (std::size_t i = 0; i < coverages.size(); ++i) {
-    const auto w = static_cast<std::size_t>(width);
-    shape.area += coverages[i];
-    shape.center += coverages[i] * Vec2(static_cast<double>(i % w), static_cast<double>(i / w));
-  }
-  if (shape.area > 0) shape.center /= shape.area;
-  return shape;
-}
-
-/// A supersampled image: kFine x kFine samples per pixel, of each triangle projected by the CPU's lens.
-constexpr int kFine = 6;
-std::vector<double> projectedShares(const Camera& camera, const TriangleMesh& mesh,
-                                    const Pose& world_from_mesh) {
-  const int width = camera.width * kFine, height = camera.height * kFine;
-  std::vector<char> covered(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-  for (const auto& triangle : mesh.triangles) {
-    std::array<Vec2, 3> p;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Vec3& vertex = mesh.vertices[static_cast<std::size_t>(triangle[k])];
-      const Vec2 pixel =
-          *projectThroughLens(camera.lens, camera.camera_from_world * (world_from_mesh * vertex));
-      p[k] = kFine * (pixel + Vec2(0.5, 0.5)) - Vec2(0.5, 0.5);
-    }
-    const auto side = [](const Vec2& a, const Vec2& b, const Vec2& c) {
-      return (b - a).x() * (c - a).y() - (b - a).y() * (c - a).x();
-    };
-    const double area = side(p[0], p[1], p[2]);
-    const Vec2 low = p[0].cwiseMin(p[1]).cwiseMin(p[2]), high = p[0].cwiseMax(p[1]).cwiseMax(p[2]);
-    for (int y = std::max(0, int(std::ceil(low.y()))); y <= std::min(height - 1.0, high.y()); ++y)
-      for (int x = std::max(0, int(std::ceil(low.x()))); x <= std::min(width - 1.0, high.x()); ++x) {
-        const Vec2 at(x, y);
-        if (area * side(p[0], p[1], at) >= 0 && area * side(p[1], p[2], at) >= 0 &&
-            area * side(p[2], p[0], at) >= 0)
-          covered[std::size_t(y) * std::size_t(width) + std::size_t(x)] = 1;
-      }
-  }
-  std::vector<double> coverages(static_cast<std::size_t>(camera.width) *
-                                static_cast<std::size_t>(camera.height));
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x)
-      coverages[std::size_t(y / kFine) * std::size_t(camera.width) + std::size_t(x / kFine)] +=
-          covered[std::size_t(y) * std::size_t(width) + std::size_t(x)] / double(kFine * kFine);
-  return coverages;
 }
 
 /// A sensor with its rig, and its images as bytes.
@@ -158,7 +107,7 @@ TEST(Sensor, HandIsAtItsProjection) {
     SCOPED_TRACE(rig.cameras[c].name);
     const int width = rig.cameras[c].width;
     const std::vector<double> coverage = studio.sensor.coverage(c);
-    const std::vector<double> projected = projectedShares(rig.cameras[c], skin, somewhere());
+    const std::vector<double> projected = projectedCoverage(rig.cameras[c], skin, somewhere());
     const Shape seen = shapeOf(coverage, width), expected = shapeOf(projected, width);
     EXPECT_GT(expected.area, 300);
     EXPECT_NEAR(seen.area / expected.area, 1, 0.01);
