@@ -58,7 +58,8 @@ class FigureView {
   const FigureColors& colors_;
   std::vector<ScreenVertex> screen_;
   std::array<std::optional<Pose>, kBones> projected_;
-  std::vector<std::uint32_t> facing_;  ///< the triangles that may face the camera during this image's exposure
+  std::vector<std::uint32_t>
+      facing_;  ///< the triangles that may face the camera during this image's exposure
   std::vector<Vec3f> vertex_light_;
   std::vector<float> depth_m_;
   std::vector<std::uint32_t> triangle_;  ///< 1-based; 0: none

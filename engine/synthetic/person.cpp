@@ -119,13 +119,14 @@ Pose wristFrame(const HandModel& hand, double scale) {
   return frameAt(scale * wrist, along, (isLeftHand(hand) ? -1 : 1) * acrossThePalm(hand));
 }
 
-/// `direction`, turned about `axis` (both unit, perpendicular) by the smallest angle that brings its z to `lowest`, or as
-/// high as it gets.
+/// `direction`, turned about `axis` (both unit, perpendicular) by the smallest angle that brings its z to
+/// `lowest`, or as high as it gets.
 Vec3 aboveDesk(const Vec3& direction, const Vec3& axis, double lowest) {
   if (direction.z() >= lowest) return direction;
   const Vec3 sideways = axis.cross(direction);
   // z = highest cos(angle - angle of the highest)
-  const double highest = std::hypot(direction.z(), sideways.z()), at = std::atan2(sideways.z(), direction.z());
+  const double highest = std::hypot(direction.z(), sideways.z()),
+               at = std::atan2(sideways.z(), direction.z());
   const double within = std::acos(std::clamp(lowest / highest, -1., 1.));
   const double angle = at > 0 ? at - within : at + within;
   return std::cos(angle) * direction + std::sin(angle) * sideways;
@@ -307,7 +308,8 @@ BonePoses Person::poses(const Pose& room_from_wrist) const {
   const double radius = std::sqrt(std::max(kUpperArm * kUpperArm - along * along, 1e-6));
   const Vec3 center = shoulder + along * axis;
   // less weight than the bias, so that it never turns over
-  Vec3 towards = 0.5 * (wrist - kForearm * room_from_wrist.linear().col(0) - center) + Vec3(0.20 * side_, 0, -0.12);
+  Vec3 towards =
+      0.5 * (wrist - kForearm * room_from_wrist.linear().col(0) - center) + Vec3(0.20 * side_, 0, -0.12);
   towards = (towards - axis * axis.dot(towards)).normalized();
   const Vec3 elbow = center + radius * aboveDesk(towards, axis, (kDeskZ + 0.06 - center.z()) / radius);
   BonePoses poses;

@@ -25,9 +25,9 @@ struct Sample {
   std::size_t quadrant;  ///< of the pixel: RoomView::depth_m
 };
 
-/// Sample i is in column i of 16, with a row and an instant of its own, and four are in each quadrant. Found by random
-/// exchanges: a straight edge of any direction and place covers a fraction of the samples that is within 3 % (RMS) of the
-/// area that it covers, and the instants do not correlate with the places.
+/// Sample i is in column i of 16, with a row and an instant of its own, and four are in each quadrant. Found
+/// by random exchanges: a straight edge of any direction and place covers a fraction of the samples that is
+/// within 3 % (RMS) of the area that it covers, and the instants do not correlate with the places.
 std::array<Sample, kSamples> samplePattern() {
   constexpr std::array<int, kSamples> kRows = {5, 12, 9, 1, 15, 7, 2, 11, 4, 13, 8, 0, 14, 6, 3, 10};
   constexpr std::array<int, kSamples> kInstants = {13, 9, 0, 2, 6, 10, 12, 14, 7, 8, 3, 4, 1, 15, 5, 11};
@@ -87,7 +87,7 @@ struct Drift {
 };
 
 struct CameraParts {
-  Camera camera;  ///< camera_from_room in place of camera_from_world
+  Camera camera;                 ///< camera_from_room in place of camera_from_world
   std::optional<RoomView> view;  ///< since the first image
   FigureView figure;
   Drift drift;

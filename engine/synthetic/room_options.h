@@ -56,9 +56,10 @@ struct RoomOptions {
   double rate_hz = 30;
   int background_frames = 10;
   BackgroundFrames background = BackgroundFrames::kNobody;
-  int hand_frames = 90;         ///< after the background
-  double peak_speed_m_s = 0.6;  ///< of the wrist between places in the cube; it enters and leaves at up to 1 m/s
-  double still_s = 1;           ///< how long the hand rests in the cube; 0: not at all
+  int hand_frames = 90;  ///< after the background
+  double peak_speed_m_s =
+      0.6;             ///< of the wrist between places in the cube; it enters and leaves at up to 1 m/s
+  double still_s = 1;  ///< how long the hand rests in the cube; 0: not at all
 
   double exposure_s = 1.0 / 80;  ///< motion blur; 0: none
   double noise_dark = 1.2;       ///< standard deviation at black, on a scale of 255

@@ -49,7 +49,8 @@ class RayGrid {
     const double s = x - column, t = y - row;
     const auto* at = &rays_[static_cast<std::size_t>(row * columns_ + column)];
     if (!at[0] || !at[1] || !at[columns_] || !at[columns_ + 1]) return std::nullopt;
-    const Vec3 ray = (1 - t) * ((1 - s) * *at[0] + s * *at[1]) + t * ((1 - s) * *at[columns_] + s * *at[columns_ + 1]);
+    const Vec3 ray =
+        (1 - t) * ((1 - s) * *at[0] + s * *at[1]) + t * ((1 - s) * *at[columns_] + s * *at[columns_ + 1]);
     return ray.normalized();
   }
 

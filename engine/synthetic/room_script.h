@@ -10,9 +10,10 @@ namespace airclay {
 
 struct RoomPath {
   std::uint32_t seed = 1;
-  double begins_s = 0;          ///< when the hand starts to move, from its place of rest outside the cube
-  double ends_s = 3;            ///< when it is back there
-  double peak_speed_m_s = 0.6;  ///< of the wrist between places in the cube; it enters and leaves at up to 1 m/s
+  double begins_s = 0;  ///< when the hand starts to move, from its place of rest outside the cube
+  double ends_s = 3;    ///< when it is back there
+  double peak_speed_m_s =
+      0.6;  ///< of the wrist between places in the cube; it enters and leaves at up to 1 m/s
   double still_s = 1;
 };
 

@@ -29,7 +29,8 @@ class Random {
   std::mt19937 engine_;
 };
 
-/// The largest integer that is not above `x`: faster than std::floor, a function call on the oldest processors. \pre |x| < 2²⁰
+/// The largest integer that is not above `x`: faster than std::floor, a function call on the oldest
+/// processors. \pre |x| < 2²⁰
 inline int floorOf(float x) {
   const int truncated = static_cast<int>(x);
   return truncated - (x < static_cast<float>(truncated));

@@ -123,8 +123,8 @@ TEST(EvaluateApp, TruthIsRequiredAndChecked) {
 TEST(EvaluateApp, SyntheticTakesAreRenderedTrackedAndWritten) {
   const TemporaryFolder folder;
   const RunResult result =
-      runAirclay({"evaluate", "--synthetic", "--only", "clean-2", "--keep", folder / "takes", "--voxels", "64", "--json",
-                  "--out", folder / "out"});
+      runAirclay({"evaluate", "--synthetic", "--only", "clean-2", "--keep", folder / "takes", "--voxels",
+                  "64", "--json", "--out", folder / "out"});
   EXPECT_EQ(result.status, 0) << result.errors;
   const json takes = json::parse(result.output)["takes"];
   ASSERT_EQ(takes.size(), 1u);
@@ -138,7 +138,8 @@ TEST(EvaluateApp, SyntheticTakesAreRenderedTrackedAndWritten) {
 TEST(EvaluateApp, SyntheticTakesAreSelectedByName) {
   const TemporaryFolder folder;
   const std::string out = folder / "out";
-  expectError({"evaluate", "--synthetic", "--only", "cleaner", "--out", out}, 2, "expected one of clean-2, clean-4");
+  expectError({"evaluate", "--synthetic", "--only", "cleaner", "--out", out}, 2,
+              "expected one of clean-2, clean-4");
   expectError({"evaluate", "--synthetic", folder.path(), "--out", out}, 2, "--synthetic");
   expectError({"evaluate", folder.path(), "--only", "clean-2", "--out", out}, 2, "--synthetic");
   EXPECT_FALSE(std::filesystem::exists(out));

@@ -22,7 +22,7 @@ Shape shapeOf(const std::vector<double>& coverages, int width) {
 }
 
 std::vector<double> projectedCoverage(const Camera& camera, const TriangleMesh& mesh,
-                                    const Pose& world_from_mesh) {
+                                      const Pose& world_from_mesh) {
   const int width = camera.width * kFine, height = camera.height * kFine;
   std::vector<char> covered(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
   for (const auto& triangle : mesh.triangles) {

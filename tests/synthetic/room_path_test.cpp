@@ -46,7 +46,8 @@ TEST(RoomPath, EntersRestsForASecondTurnsAboutAllAxesAndLeaves) {
     SCOPED_TRACE(seed);
     const HandScript script = roomScript(pathOf(seed));
     // neither the beginning nor the end is in any rotated cube
-    for (const double t : {-0.25, 3.8}) EXPECT_GT((*script.at(t) * kCenterInWrist).norm() - kHandRadius, 0.3 * std::sqrt(3) - 0.08);
+    for (const double t : {-0.25, 3.8})
+      EXPECT_GT((*script.at(t) * kCenterInWrist).norm() - kHandRadius, 0.3 * std::sqrt(3) - 0.08);
     double still_s = 0, longest_s = 0;
     for (double t = -0.25; t < 3.8; t += kStepS) {
       const Pose a = *script.at(t), b = *script.at(t + kStepS);
@@ -99,7 +100,8 @@ TEST(Person, LeftHandIsTheMirrorImage) {
   ASSERT_EQ(a.positions.size(), b.positions.size());
   // the hand's vertices correspond
   for (std::size_t i = 0; i < a.parts.front().count; i += 50) {
-    const Vec3 p = of_right[0] * a.positions[i].cast<double>(), q = of_left[0] * b.positions[i].cast<double>();
+    const Vec3 p = of_right[0] * a.positions[i].cast<double>(),
+               q = of_left[0] * b.positions[i].cast<double>();
     EXPECT_LT((Vec3(-p.x(), p.y(), p.z()) - q).norm(), 1e-5);
   }
 }

@@ -51,7 +51,8 @@ RoomOptions plainOptions(int cameras = 2) {
 }
 
 Bytes imageOf(Room& room, const RoomOptions& options, std::size_t camera, int frame) {
-  Bytes bgr(std::size_t(3) * std::size_t(options.rig.cameras[camera].width) * std::size_t(options.rig.cameras[camera].height));
+  Bytes bgr(std::size_t(3) * std::size_t(options.rig.cameras[camera].width) *
+            std::size_t(options.rig.cameras[camera].height));
   room.render(camera, frame, bgr);
   return bgr;
 }
@@ -124,7 +125,8 @@ TEST(Room, ShadowsDarkenTheDeskAndKeepItsColour) {
     // blocks of 16 pixels in a row, because single bytes are too coarse
     for (std::size_t first = 0; first + 48 <= before.size(); first += 48) {
       const auto block = static_cast<std::ptrdiff_t>(first);
-      if (!std::equal(before.begin() + block, before.begin() + block + 48, empty.begin() + block)) continue;  // the person
+      if (!std::equal(before.begin() + block, before.begin() + block + 48, empty.begin() + block))
+        continue;  // the person
       double sum_before[3] = {}, sum_after[3] = {};
       for (std::size_t i = first; i < first + 48; ++i) {
         sum_before[i % 3] += before[i];
@@ -135,7 +137,8 @@ TEST(Room, ShadowsDarkenTheDeskAndKeepItsColour) {
       EXPECT_LE(ratio, 1.002);
       darkest = std::min(darkest, ratio);
       in_shadow += ratio < 0.95;
-      for (int k = 0; k < 3; ++k) tinted = std::max(tinted, std::abs(sum_after[k] / sum_before[k] / ratio - 1));
+      for (int k = 0; k < 3; ++k)
+        tinted = std::max(tinted, std::abs(sum_after[k] / sum_before[k] / ratio - 1));
     }
   }
   EXPECT_LT(darkest, 0.75);
@@ -178,7 +181,8 @@ TEST(Room, NoiseGrowsWithBrightness) {
   options.noise_dark = 1.2;
   options.noise_bright = 3.2;
   Room noisy(rightHand(), options);
-  const Bytes a = imageOf(clean, options, 0, 0), b = imageOf(noisy, options, 0, 0), c = imageOf(noisy, options, 0, 1);
+  const Bytes a = imageOf(clean, options, 0, 0), b = imageOf(noisy, options, 0, 0),
+              c = imageOf(noisy, options, 0, 1);
   for (const int value : {70, 150}) {  // the walls, the desk
     double squares = 0, count = 0, between = 0;
     for (std::size_t i = 0; i < a.size(); ++i)
@@ -206,7 +210,8 @@ TEST(Room, WindowsLightFallsSuddenlyOrSlowly) {
     EXPECT_NEAR(room.daylightAt(middle_s + 3), daylight == Daylight::kSudden ? 0.6 : 1, 1e-3);
     EXPECT_NEAR(room.daylightAt(middle_s), daylight == Daylight::kSudden ? 0.8 : 0.6, 1e-6);
     double fastest = 0;
-    for (double t = 0; t < 8; t += 0.01) fastest = std::max(fastest, std::abs(room.daylightAt(t + 0.01) - room.daylightAt(t)) / 0.01);
+    for (double t = 0; t < 8; t += 0.01)
+      fastest = std::max(fastest, std::abs(room.daylightAt(t + 0.01) - room.daylightAt(t)) / 0.01);
     EXPECT_NEAR(fastest, daylight == Daylight::kSudden ? 4 : 0.43, 0.1) << "per second";
   }
   options.background_frames = 10;
@@ -244,7 +249,9 @@ TEST(Room, CamerasSeeTheHandAtTheirOwnTimes) {
     const Camera& camera = options.rig.cameras[c];
     const Shape seen = shapeOf(coverageOf(room, c), camera.width);
     const auto distance = [&](double time_s) {
-      return (seen.center - shapeOf(projectedCoverage(camera, scaledSkin(1), *room.handAt(time_s)), camera.width).center).norm();
+      return (seen.center -
+              shapeOf(projectedCoverage(camera, scaledSkin(1), *room.handAt(time_s)), camera.width).center)
+          .norm();
     };
     EXPECT_LT(distance(room.cameraTimesOf(frame)[c]), 0.03);
     farthest = std::max(farthest, distance(mean_s + (frame - 30) / 30.0));
