@@ -384,7 +384,7 @@ class Studio {
     for (const auto& [name, ms] : snapshot.stage_ms) stages[name] = ms;
     for (const auto& [name, ms] : render_ms_) stages[name] = ms;
     using json = nlohmann::ordered_json;
-    const json line = {{"picture_hz", meter_.frameHz()},
+    const json line = {{"image_hz", meter_.frameHz()},
                        {"tracking_hz", snapshot.rate_hz},
                        {"latency_ms", meter_.latencyMs()},
                        {"hand", nameOf(snapshot.trust)},
@@ -409,9 +409,9 @@ class Studio {
                        {"resident_mb", residentMegabytes()},
                        {"longest_submission_ms", gpu_.takeLongestSubmissionMs()},
                        {"decode_ms", snapshot.decode_ms},
-                       {"troubles", snapshot.camera_problems},
+                       {"camera_problems", snapshot.camera_problems},
                        {"skew_ms", snapshot.skew_s ? json(1000 * *snapshot.skew_s) : json()},
-                       {"steady_ms", snapshot.filter_lag_ms ? json(*snapshot.filter_lag_ms) : json()},
+                       {"filter_lag_ms", snapshot.filter_lag_ms ? json(*snapshot.filter_lag_ms) : json()},
                        {"stage_ms", stages}};
     log_ << line.dump() << std::endl;
   }
