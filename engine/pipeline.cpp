@@ -105,7 +105,8 @@ struct Pipeline::Parts {
 
   void checkLearned() const {
     if (!silhouettes.learned())
-      throw Error("the empty workspace has not been learned; provide background images or empty first frames");
+      throw Error(
+          "the empty workspace has not been learned; provide background images or empty first frames");
   }
 
   /// From images, or from masks that are already uploaded, to the voxel model.
@@ -204,8 +205,10 @@ struct Pipeline::Parts {
     const bool is_room = from_images && method == SilhouetteMethod::kRoom;
     if (from_images && !is_room) silhouettes.record(recorder, images);
     if (!is_room) mask_images->record(recorder, silhouettes.masks());
-    if (whole) robust->recordWholeEvidence(recorder, frameOf(from_images, input));
-    else robust->recordEvidence(recorder, frameOf(from_images, input));
+    if (whole)
+      robust->recordWholeEvidence(recorder, frameOf(from_images, input));
+    else
+      robust->recordEvidence(recorder, frameOf(from_images, input));
     if (is_room) robust->evidence().recordMasks(recorder, silhouettes.masks());
     recorder.stage("carve");
     carver.record(recorder, silhouettes.masks(), input.missing_cameras);

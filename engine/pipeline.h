@@ -38,7 +38,7 @@ enum class FitMethod {
 };
 
 struct PipelineOptions {
-  int voxels = 128;    ///< along the workspace's edge
+  int voxels = 128;  ///< along the workspace's edge
   SilhouetteMethod silhouettes = SilhouetteMethod::kRoom;
   FitMethod fit = FitMethod::kRobust;
   int time_every = 0;  ///< time the stages of one frame in this many (TimingPlan)
@@ -48,7 +48,7 @@ enum class HandState {
   kEmpty,  ///< too little in the images to be a hand
   kTracked,
   kUncertain,  ///< there is a pose, but it is not to be trusted for sculpting
-  kLost,  ///< there is something, but no pose fits it
+  kLost,       ///< there is something, but no pose fits it
 };
 
 /// A frame's camera data except the images.

@@ -35,7 +35,9 @@ void runHull(const HullOptions& options) {
   CommandGpu gpu(options);
   // Pipeline needs a hand model, although no hand is tracked here.
   Pipeline pipeline(gpu, take.rig(), builtInHand(false),
-                    {.voxels = options.voxels, .silhouettes = silhouetteMethod(options.silhouettes), .fit = FitMethod::kPaper});
+                    {.voxels = options.voxels,
+                     .silhouettes = silhouetteMethod(options.silhouettes),
+                     .fit = FitMethod::kPaper});
   Player(take, pipeline).computeHull(options.frame);
 
   const std::vector<Eigen::Vector3f> points =

@@ -29,7 +29,9 @@ void runTrack(const TrackOptions& options) {
   CommandGpu gpu(options);
   Tracking tracking;
   trackTake(gpu, take,
-            {.hand = hand, .pipeline = options.fit.pipeline(options.voxels), .shows_progress = options.printsMessages()},
+            {.hand = hand,
+             .pipeline = options.fit.pipeline(options.voxels),
+             .shows_progress = options.printsMessages()},
             [&](const PlayedFrame& frame) { tracking.add(frame, &take); });
   writePoses(options.poses, tracking.poses());
   if (options.json) printJson(tracking.json());

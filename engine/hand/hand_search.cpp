@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "engine/hand/hand_search.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <queue>
 
 #include "engine/hand/fit.h"
 #include "shaders/hand/search_hull.comp.h"
@@ -16,9 +16,12 @@ namespace {
 // The hand's centre of mass is this far from the end of the part that contains it, along its long axis.
 constexpr std::array kFromEnd_m = {0.07, 0.09, 0.12};
 constexpr double kSlab_m = 0.02;  // the part's centre is taken over this distance either way
+// The direction of the hand is that between its parts at these distances from the end.
+constexpr double kFingersFromEnd_m = 0.05, kWristFromEnd_m = 0.15;
+constexpr double kSameEnd_m = 0.06;
 constexpr double kTilt_rad = 0.5;
 constexpr int kTilts = 6, kRolls = 12;
-constexpr std::size_t kMaxPoses = 2 * kFromEnd_m.size() * (1 + kTilts) * kRolls;
+constexpr std::size_t kMaxPoses = 3 * kFromEnd_m.size() * (1 + kTilts) * kRolls;
 constexpr std::size_t kSubmission = 126;  // poses: short submissions, so that a window can draw in between
 constexpr double kSameRotation_rad = 0.4;
 // A hull is larger than its hand, but a coarse one of uncertain pixels loses thin fingers.
@@ -28,6 +31,48 @@ constexpr double kNotSeen = 1e3;
 std::vector<std::uint32_t> imageConstants(const GpuRig& rig, std::uint32_t workgroup) {
   const auto [width, height] = rig.sameSize();
   return {workgroup, width, height, rig.lensKinds()};
+}
+
+constexpr int kGrid = kHullVoxels;
+
+/// Calls `visit` for the up to 26 neighbours of a voxel, with the distance in voxels.
+template <class Visit>
+void forEachNeighbour(int voxel, Visit visit) {
+  const int x = voxel % kGrid, y = voxel / kGrid % kGrid, z = voxel / (kGrid * kGrid);
+  for (int d = 0; d < 27; ++d) {
+    const int dx = d % 3 - 1, dy = d / 3 % 3 - 1, dz = d / 9 - 1;
+    if (d == 13 || std::min({x + dx, y + dy, z + dz}) < 0 || std::max({x + dx, y + dy, z + dz}) >= kGrid)
+      continue;
+    visit(voxel + dx + kGrid * (dy + kGrid * dz), std::sqrt(dx * dx + dy * dy + dz * dz));
+  }
+}
+
+/// The length of the shortest way through the part from the nearest of `from` to each of its voxels, metres.
+std::vector<double> distancesFrom(const std::vector<int>& part, const std::vector<int>& from,
+                                  double voxel_m) {
+  constexpr double kFar = 1e9;
+  std::vector<double> all(std::size_t(kGrid) * kGrid * kGrid, -1);  // -1: not of the part
+  for (const int voxel : part) all[std::size_t(voxel)] = kFar;
+  using Way = std::pair<double, int>;
+  std::priority_queue<Way, std::vector<Way>, std::greater<>> ways;
+  for (const int voxel : from) {
+    all[std::size_t(voxel)] = 0;
+    ways.emplace(0, voxel);
+  }
+  while (!ways.empty()) {
+    const auto [length, voxel] = ways.top();
+    ways.pop();
+    if (length > all[std::size_t(voxel)]) continue;
+    forEachNeighbour(voxel, [&](int neighbour, double step) {
+      double& known = all[std::size_t(neighbour)];
+      if (length + step * voxel_m >= known) return;
+      known = length + step * voxel_m;
+      ways.emplace(known, neighbour);
+    });
+  }
+  std::vector<double> distances;
+  for (const int voxel : part) distances.push_back(all[std::size_t(voxel)]);
+  return distances;
 }
 
 }  // namespace
@@ -54,62 +99,71 @@ HandSearch::HandSearch(Gpu& gpu, const GpuRig& rig, const OutlineModel& model)
   least_voxels_ = static_cast<std::size_t>(std::max(1.0, kLeastVolume * volume_m3 / std::pow(voxel_m, 3)));
 }
 
-std::vector<Vec3> HandSearch::largestPart() const {
-  constexpr int n = kHullVoxels;
+std::vector<int> HandSearch::largestPart() const {
+  std::vector<char> rest(kGrid * kGrid * kGrid);
   const std::span<const std::uint32_t> words = hull_.host();
-  std::vector<char> rest(std::size_t(n) * n * n);
   for (std::size_t i = 0; i < rest.size(); ++i) rest[i] = (words[i / kHullRun] >> (i % kHullRun) & 1) != 0;
   std::vector<int> largest;
-  for (int start = 0; start < n * n * n; ++start) {
-    if (!rest[std::size_t(start)]) continue;
-    std::vector<int> part{start};
-    rest[std::size_t(start)] = 0;
-    for (std::size_t next = 0; next < part.size(); ++next) {
-      const std::array at = {part[next] % n, part[next] / n % n, part[next] / (n * n)};
-      for (int d = 0; d < 27; ++d) {
-        const int x = at[0] + d % 3 - 1, y = at[1] + d / 3 % 3 - 1, z = at[2] + d / 9 - 1;
-        if (std::min({x, y, z}) < 0 || std::max({x, y, z}) >= n) continue;
-        const int neighbour = x + n * (y + n * z);
-        if (!rest[std::size_t(neighbour)]) continue;
+  for (std::size_t start = 0; start < rest.size(); ++start) {
+    if (!rest[start]) continue;
+    std::vector<int> part{static_cast<int>(start)};
+    rest[start] = 0;
+    for (std::size_t next = 0; next < part.size(); ++next)
+      forEachNeighbour(part[next], [&](int neighbour, double) {
+        if (!rest[std::size_t(neighbour)]) return;
         rest[std::size_t(neighbour)] = 0;
         part.push_back(neighbour);
-      }
-    }
+      });
     if (part.size() > largest.size()) largest = std::move(part);
   }
-  std::vector<Vec3> points;
-  if (largest.size() < least_voxels_) return points;
-  const double voxel_m = rig_.rig().workspace.edge_m / n;
-  for (const int i : largest)
-    points.push_back(voxel_m * (Vec3(i % n, i / n % n, i / (n * n)) + Vec3::Constant(0.5 - 0.5 * n)));
-  return points;
+  return largest.size() < least_voxels_ ? std::vector<int>{} : largest;
 }
 
-std::vector<GpuOutlinePose> HandSearch::hypotheses(const std::vector<Vec3>& part, double scale) const {
-  Vec3 mean = Vec3::Zero();
-  for (const Vec3& point : part) mean += point / double(part.size());
-  Mat3 spread = Mat3::Zero();
-  for (const Vec3& point : part) spread += (point - mean) * (point - mean).transpose();
-  const Vec3 axis = Eigen::SelfAdjointEigenSolver<Mat3>(spread).eigenvectors().col(2);
+std::vector<GpuOutlinePose> HandSearch::hypotheses(const std::vector<int>& part, double scale) const {
+  const double voxel_m = rig_.rig().workspace.edge_m / kGrid;
+  const auto center = [&](int voxel) {
+    return Vec3(voxel_m * (Vec3(voxel % kGrid, voxel / kGrid % kGrid, voxel / (kGrid * kGrid)) +
+                           Vec3::Constant(0.5 - 0.5 * kGrid)));
+  };
+  // The hand is at an end of the part: the one farthest from where the arm enters the workspace, or, for a
+  // part inside it, at one of the two ends that are farthest from each other.
+  std::vector<int> entrance;
+  for (const int voxel : part) {
+    const auto [low, high] = std::minmax({voxel % kGrid, voxel / kGrid % kGrid, voxel / (kGrid * kGrid)});
+    if (low == 0 || high == kGrid - 1) entrance.push_back(voxel);
+  }
+  std::vector<int> ends;
+  std::vector<std::vector<double>> distances;  // of the part's voxels from each end, through the part
+  const auto addEnd = [&](const std::vector<int>& from) {
+    const std::vector<double> away = distancesFrom(part, from, voxel_m);
+    const int end = part[std::size_t(std::ranges::max_element(away) - away.begin())];
+    for (const int other : ends)
+      if ((center(other) - center(end)).norm() < kSameEnd_m) return;
+    ends.push_back(end);
+    distances.push_back(distancesFrom(part, {end}, voxel_m));
+  };
+  if (!entrance.empty()) addEnd(entrance);
+  addEnd({part.front()});
+  addEnd({ends.back()});
+
   std::vector<GpuOutlinePose> poses;
-  for (const double sign : {1.0, -1.0}) {
-    std::vector<double> places;
-    for (const Vec3& point : part) places.push_back(sign * (point - mean).dot(axis));
-    std::vector<double> sorted = places;
-    std::ranges::sort(sorted);
-    const double end = sorted[static_cast<std::size_t>(0.995 * double(sorted.size() - 1))];
-    for (const double from_end : kFromEnd_m) {
-      const double place = end - scale * from_end;
-      Vec3 center = Vec3::Zero();
+  for (std::size_t e = 0; e < ends.size(); ++e) {
+    const auto slab = [&](double from_end) {
+      Vec3 sum = Vec3::Zero();
       int count = 0;
       for (std::size_t i = 0; i < part.size(); ++i)
-        if (std::abs(places[i] - place) < kSlab_m) {
-          center += part[i];
+        if (std::abs(distances[e][i] - from_end) < kSlab_m) {
+          sum += center(part[i]);
           ++count;
         }
-      center = count > 0 ? Vec3(center / count) : Vec3(mean + sign * place * axis);
-      const Vec3 to_forearm = -sign * axis;
-      const Vec3 side = to_forearm.unitOrthogonal(), up = to_forearm.cross(side);
+      return count > 0 ? Vec3(sum / count) : center(ends[e]);
+    };
+    const Vec3 along = slab(scale * kWristFromEnd_m) - slab(scale * kFingersFromEnd_m);
+    if (along.norm() < kSlab_m / 2) continue;  // too small for a hand
+    const Vec3 to_forearm = along.normalized();
+    const Vec3 side = to_forearm.unitOrthogonal(), up = to_forearm.cross(side);
+    for (const double from_end : kFromEnd_m) {
+      const Vec3 position = slab(scale * from_end);
       for (int tilt = 0; tilt <= kTilts; ++tilt) {
         Vec3 direction = to_forearm;
         if (tilt > 0) {
@@ -119,7 +173,8 @@ std::vector<GpuOutlinePose> HandSearch::hypotheses(const std::vector<Vec3>& part
         }
         const Mat3 turn = Eigen::Quaterniond::FromTwoVectors(model_.to_forearm, direction).toRotationMatrix();
         for (int roll = 0; roll < kRolls; ++roll)
-          poses.push_back(outlinePose(rotationFromVector(direction * (roll * 2 * M_PI / kRolls)) * turn, center, scale));
+          poses.push_back(outlinePose(rotationFromVector(direction * (roll * 2 * M_PI / kRolls)) * turn,
+                                      position, scale));
       }
     }
   }
@@ -185,7 +240,7 @@ std::vector<ScoredPose> HandSearch::candidates(Recorder& recorder, const Evidenc
   recorder.submitAndWait();
   addStages(recorder.stageMs(), stage_ms);
 
-  const std::vector<Vec3> part = largestPart();
+  const std::vector<int> part = largestPart();
   if (part.empty()) return {};
   const std::vector<GpuOutlinePose> poses = hypotheses(part, scale);
   const std::vector<double> score = scores(recorder, frame, poses, stage_ms);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The search for the hand from nothing, in a single frame: a coarse hull of what is probably the hand, poses
-// along its long axis at both ends, and their scores in the images (shaders/hand/search_io.h).
+// at its ends, and their scores in the images (shaders/hand/search_io.h).
 #pragma once
 
 #include "engine/hand/outline.h"
@@ -19,8 +19,9 @@ class HandSearch {
 
   /// Poses to refine, best first, at most `count`, different from each other; empty if nothing in the
   /// workspace could be a hand. \pre the evidence of the whole images is computed. Runs several submissions.
-  std::vector<ScoredPose> candidates(Recorder& recorder, const Evidence& evidence, const GpuOutlineFrame& frame,
-                                     double scale, std::size_t count, StageTimes& stage_ms);
+  std::vector<ScoredPose> candidates(Recorder& recorder, const Evidence& evidence,
+                                     const GpuOutlineFrame& frame, double scale, std::size_t count,
+                                     StageTimes& stage_ms);
   /// The scores of poses, in the same order. \pre candidates() of the same frame was called
   std::vector<double> scores(Recorder& recorder, const GpuOutlineFrame& frame,
                              std::span<const GpuOutlinePose> poses, StageTimes& stage_ms);
@@ -32,8 +33,8 @@ class HandSearch {
   const Buffer<GpuOutlinePose>& poses() const { return poses_; }
 
  private:
-  std::vector<Vec3> largestPart() const;
-  std::vector<GpuOutlinePose> hypotheses(const std::vector<Vec3>& part, double scale) const;
+  std::vector<int> largestPart() const;
+  std::vector<GpuOutlinePose> hypotheses(const std::vector<int>& part, double scale) const;
 
   const GpuRig& rig_;
   const OutlineModel& model_;
@@ -50,7 +51,8 @@ class HandSearch {
 
 // --- the reference implementation, in double precision ---
 
-/// The mean probability of the hand in the block (x, y) of 4 x 4 pixels, 0 to 1. `evidence`: a camera's cells.
+/// The mean probability of the hand in the block (x, y) of 4 x 4 pixels, 0 to 1. `evidence`: a camera's
+/// cells.
 double blockReference(std::span<const std::uint8_t> evidence, std::uint32_t tile_columns, int x, int y);
 /// The mean log-probability of the hand at a point (workspace frame) over the cameras with `bits` set; empty
 /// unless two see it. `blocks`: HandSearch::blocks().

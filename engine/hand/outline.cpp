@@ -45,7 +45,8 @@ TriangleMesh joined(const TriangleMesh& skin) {
     joined_index.push_back(found->second);
   }
   for (const auto& [a, b, c] : skin.triangles)
-    mesh.triangles.push_back({joined_index[std::size_t(a)], joined_index[std::size_t(b)], joined_index[std::size_t(c)]});
+    mesh.triangles.push_back(
+        {joined_index[std::size_t(a)], joined_index[std::size_t(b)], joined_index[std::size_t(c)]});
   return mesh;
 }
 
@@ -106,7 +107,8 @@ OutlineModel outlineModel(const HandModel& hand) {
   for (const auto& [a, b, c] : mesh.triangles)
     model.triangles.push_back({{std::uint32_t(a), std::uint32_t(b), std::uint32_t(c)}});
   model.edges = skinEdges(mesh, is_cut);
-  for (const Vec3& point : skinPoints(mesh, OutlineModel::kPointSpacing_m)) model.points.push_back(relative(point));
+  for (const Vec3& point : skinPoints(mesh, OutlineModel::kPointSpacing_m))
+    model.points.push_back(relative(point));
   const Vec3 wrist = restPosition(hand, "wrist") - model.center_of_mass;
   const Vec3 knuckle = restPosition(hand, "middle-finger-phalanx-proximal") - model.center_of_mass;
   model.to_forearm = (wrist - knuckle).normalized();
@@ -118,7 +120,8 @@ OutlineModel outlineModel(const HandModel& hand) {
 OutlineFitter::OutlineFitter(Gpu& gpu, const GpuRig& rig, const OutlineModel& model)
     : rig_(rig),
       model_(model),
-      project_(gpu, "outline_project", outline_project_comp, {kOutlineWorkgroup, rig.lensKinds()}),
+      project_(gpu, "outline_project", outline_project_comp,
+               {kOutlineWorkgroup, rig.lensKinds(), std::min(gpu.subgroupSize(), 8u)}),
       mask_(gpu, "outline_mask", outline_mask_comp, imageConstants(rig)),
       list_(gpu, "outline_list", outline_list_comp, {gpu.subgroupSize()}),
       coarse_(gpu, "outline_coarse", outline_coarse_comp, imageConstants(rig)),
@@ -147,7 +150,7 @@ GpuOutlineFrame OutlineFitter::frame() const {
   return frame;
 }
 
-void OutlineFitter::recordOutline(Recorder& recorder) {
+void OutlineFitter::recordOutline(Recorder& recorder, bool find_edges) {
   const std::uint32_t cameras = rig_.cameraCount(), vertices = static_cast<std::uint32_t>(vertices_.count());
   OutlineProjectArgs project{};
   project.cameras = rig_.cameras();
@@ -157,8 +160,9 @@ void OutlineFitter::recordOutline(Recorder& recorder) {
   project.pixels = pixels_;
   project.forearms = forearms_;
   project.vertex_count = vertices;
-  recorder.dispatch(project_, project, groupsFor(vertices + 1, kOutlineWorkgroup), cameras);
+  recorder.dispatch(project_, project, groupsFor(vertices, 4 * kOutlineWorkgroup), cameras);
 
+  if (!find_edges) return;
   recorder.fill(masks_.raw(), 0);
   OutlineMaskArgs mask{};
   mask.cameras = rig_.cameras();
@@ -232,9 +236,11 @@ void OutlineFitter::record(Recorder& recorder, const GpuOutlineFrame& frame, con
     coarse.reach = static_cast<std::uint32_t>(stage.reach);
     coarse.spread = static_cast<float>(stage.spread);
     for (int step = 0; step < stage.steps; ++step) {
-      recordOutline(recorder);
-      if (stage.fine) recorder.dispatch(fine_, fine, groups, cameras);
-      else recorder.dispatch(coarse_, coarse, groups, cameras);
+      recordOutline(recorder, step == 0);
+      if (stage.fine)
+        recorder.dispatch(fine_, fine, groups, cameras);
+      else
+        recorder.dispatch(coarse_, coarse, groups, cameras);
       recorder.dispatch(solve_, solve, 1);
     }
   }

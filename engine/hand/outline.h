@@ -23,14 +23,14 @@ struct OutlineModel {
   Vec3 center_of_mass = Vec3::Zero();  ///< hand frame, metres
   Vec3 to_forearm = Vec3::Zero();      ///< unit, from the middle finger's knuckle to the wrist
   Vec3 arm_from = Vec3::Zero(), arm_to = Vec3::Zero();  ///< ends of the forearm's axis
-  double radius_m = 0;                 ///< largest distance of the skin from the centre of mass
+  double radius_m = 0;  ///< largest distance of the skin from the centre of mass
 
   static constexpr double kPointSpacing_m = 0.006;
 };
 
 OutlineModel outlineModel(const HandModel& hand);
 
-/// A number of Gauss-Newton steps of the same kind.
+/// A number of Gauss-Newton steps of the same kind. The silhouette edges are found before the first one.
 struct OutlineStage {
   int steps = 0;
   bool fine = false;
@@ -69,7 +69,7 @@ class OutlineFitter {
   const Buffer<GpuOutlineLine>& lines() const { return lines_; }
 
  private:
-  void recordOutline(Recorder& recorder);
+  void recordOutline(Recorder& recorder, bool find_edges);
 
   const GpuRig& rig_;
   OutlineModel model_;
@@ -105,9 +105,11 @@ GpuOutlinePose movedPose(const GpuOutlinePose& pose, const GpuOutlineFrame& fram
 std::vector<std::optional<Vec2>> projectReference(const Camera& camera, const Workspace& workspace,
                                                   const OutlineModel& model, const GpuOutlinePose& pose);
 /// The pixels whose centres are in a front-facing triangle.
-Silhouette maskReference(const Camera& camera, const OutlineModel& model, const std::vector<std::optional<Vec2>>& pixels);
+Silhouette maskReference(const Camera& camera, const OutlineModel& model,
+                         const std::vector<std::optional<Vec2>>& pixels);
 /// The silhouette edges in their order.
-std::vector<std::uint32_t> listReference(const OutlineModel& model, const std::vector<std::optional<Vec2>>& pixels);
+std::vector<std::uint32_t> listReference(const OutlineModel& model,
+                                         const std::vector<std::optional<Vec2>>& pixels);
 
 /// A camera's data for the lines of a step.
 struct OutlineView {
@@ -122,7 +124,7 @@ struct OutlineView {
   std::span<const std::uint8_t> evidence;  ///< bytes of the camera's cells
   GpuTileRegion region;
   // fine
-  std::span<const std::uint8_t> image;   ///< BGR
+  std::span<const std::uint8_t> image;        ///< BGR
   std::span<const std::uint32_t> background;  ///< the pixels' model
   Vec3 gain = Vec3::Ones();
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "engine/hand/robust_tracker.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -16,16 +17,46 @@ constexpr double kFastest_m_s = 3, kFastest_rad_s = 30;
 
 // Following with a known motion, after a search, and refining a candidate of the search. Reach and spread in
 // pixels of an image 640 pixels wide.
-constexpr OutlineStage kFollow[] = {{3, false, 24, 10}, {2, false, 10, 4}, {3, true, 0, 0}};
-constexpr OutlineStage kCatch[] = {{5, false, 40, 20}, {4, false, 20, 8}, {3, false, 10, 4}, {3, true, 0, 0}};
-constexpr OutlineStage kRefine[] = {{6, false, 40, 20}, {4, false, 20, 8}, {3, false, 10, 4}, {2, true, 0, 0}};
+constexpr OutlineStage kFollow[] = {{3, false, 24, 10}, {2, false, 10, 4}, {2, true, 0, 0}, {1, true, 0, 0}};
+constexpr OutlineStage kCatch[] = {{2, false, 40, 20}, {2, false, 40, 20}, {2, false, 20, 8},
+                                   {2, false, 10, 4},  {1, false, 10, 4},  {2, true, 0, 0},
+                                   {1, true, 0, 0}};
+constexpr OutlineStage kRefine[] = {
+    {2, false, 40, 20}, {2, false, 40, 20}, {2, false, 20, 8}, {2, false, 10, 4}, {1, true, 0, 0}};
 constexpr std::size_t kCandidates = 6;
+// Searches in successive frames differ: a hand of another colour than the background; one of its colour, but
+// without its texture; and one that only its brightness tells from the background.
+constexpr std::array<EvidenceAssumptions, 3> kAttempts = {
+    {{kFullShadow, 0}, {kFullShadow, kTextureTrust}, {kDaylight, kTextureTrust}}};
 
 // Evidence around the projected hand, pixels of an image 640 pixels wide.
 constexpr double kFollowMargin = 40, kCatchMargin = 90;
+// The hand's size: people's hands vary by 5 % around the model. Each frame adds a fraction of what its lines
+// tell, because neighbouring lines err alike; a hand that is found again may be another one.
+constexpr double kScaleDeviation = 0.05, kFoundScaleDeviation = 0.02, kBestScaleDeviation = 0.003;
+constexpr double kScaleTrust = 0.05;
+// After this many frames, a hand whose size is within kOwnSize of the model's counts as the model's: the
+// small rest is the bias of shaded edges.
+constexpr int kScaleFrames = 15;
+constexpr double kOwnSize = 0.02;
 constexpr int kUncertainLimit = 3;  // frames, then the hand is searched for
 // Weight of new colours while one camera learns per frame.
 constexpr double kLearningRate = 0.4;
+
+double weightOf(double deviation) {
+  return 1 / (deviation * deviation);
+}
+
+/// What a fit tells about the logarithm of the scale: 1 / variance, with an unknown pose.
+double scaleInformation(const GpuOutlineFit& fit) {
+  Eigen::Matrix<double, 7, 7> all;
+  int k = 0;
+  for (int row = 0; row < 7; ++row)
+    for (int column = 0; column <= row; ++column) all(row, column) = all(column, row) = fit.information[k++];
+  const Eigen::Matrix<double, 6, 6> pose = all.topLeftCorner<6, 6>();
+  const Eigen::Matrix<double, 6, 1> both = all.topRightCorner<6, 1>();
+  return std::max(0.0, all(6, 6) - both.dot(pose.ldlt().solve(both)));
+}
 
 }  // namespace
 
@@ -37,16 +68,20 @@ RobustTracker::RobustTracker(Gpu& gpu, const GpuRig& rig, const HandModel& hand)
       judge_(gpu, "outline_judge", outline_judge_comp),
       hands_(gpu, kMaxHands, Memory::kHost) {
   std::ranges::fill(hands_.host(), noHandPose());
+  scale_.weight = weightOf(kScaleDeviation);
 }
 
 void RobustTracker::forget() {
   has_pose_ = false;
   frames_ = 0;
   uncertain_frames_ = 0;
+  scale_.weight = std::min(scale_.weight > 0 ? scale_.weight : weightOf(kFoundScaleDeviation),
+                           weightOf(kFoundScaleDeviation));
+  scale_frames_ = 0;
 }
 
-HandPoseFrame RobustTracker::poseFrame() const {
-  return {fitter_.model().center_of_mass, rig_.rig().workspace.center};
+HandPoseFrame RobustTracker::poseFrame(double scale) const {
+  return {scale * fitter_.model().center_of_mass, rig_.rig().workspace.center};
 }
 
 void RobustTracker::recordBackground(Recorder& recorder, const Buffer<std::uint32_t>& model,
@@ -113,18 +148,22 @@ void RobustTracker::recordWholeEvidence(Recorder& recorder, const Frame& frame) 
     regions.push_back(evidence_.wholeImage(k));
     if ((frame.missing_cameras >> k & 1) != 0) regions.back() = {{0, 0}, {0, 0}};
   }
-  evidence_.record(recorder, frame.images, frame.background, regions);
+  evidence_.record(recorder, frame.images, frame.background, regions,
+                   kAttempts[std::size_t(searches_) % kAttempts.size()]);
 }
 
 void RobustTracker::recordFit(Recorder& recorder, const Frame& frame, const GpuOutlinePose& start,
                               std::span<const OutlineStage> stages) {
-  fitter_.record(recorder, outlineFrame(frame), start, stages, evidence_, frame.images, frame.background, {});
+  fitter_.record(recorder, outlineFrame(frame), start, stages, evidence_, frame.images, frame.background,
+                 scale_);
 }
 
 void RobustTracker::recordTracking(Recorder& recorder, const Frame& frame) {
   frame_time_s_ = timeOf(frame);
-  if (frames_ >= 2) recordFit(recorder, frame, expected(frame), kFollow);
-  else recordFit(recorder, frame, expected(frame), kCatch);
+  if (frames_ >= 2)
+    recordFit(recorder, frame, expected(frame), kFollow);
+  else
+    recordFit(recorder, frame, expected(frame), kCatch);
   OutlineJudgeArgs judge{};
   judge.fit = fitter_.resultBuffer();
   judge.hand = hands_;
@@ -148,7 +187,7 @@ void RobustTracker::beginSearch() {
 
 bool RobustTracker::search(Recorder& recorder, const Frame& frame, StageTimes& stage_ms) {
   const GpuOutlineFrame outline_frame = outlineFrame(frame);
-  const double scale = last_.scale > 0 ? last_.scale : 1;
+  const double scale = std::exp(scale_.log_scale);
   std::vector<ScoredPose> candidates =
       search_.candidates(recorder, evidence_, outline_frame, scale, kCandidates, stage_ms);
   if (candidates.empty()) return false;
@@ -198,15 +237,17 @@ HandFit RobustTracker::finish() {
   fit.outside_m = 0;
   fit.outside_fraction = 1 - fit.agreement;
   device.tracked = 1;
-  fit.pose = handPose(device, poseFrame());
+  fit.pose = handPose(device, poseFrame(fit.scale));
   fit.tracked = trusted || (fit.agreement >= kUncertainAgreement && uncertain_frames_ < kUncertainLimit);
   fit.uncertain = fit.tracked && !trusted;
   if (!std::isfinite(found.pose.position.norm())) fit.tracked = false;
   ++clock_;
   if (!fit.tracked) {
+    if (!has_pose_ || frames_ == 0) ++searches_;
     forget();
     return fit;
   }
+  searches_ = 0;
   uncertain_frames_ = fit.uncertain ? uncertain_frames_ + 1 : 0;
   const double seconds = frame_time_s_ - last_time_s_;
   velocity_.setZero();
@@ -221,6 +262,15 @@ HandFit RobustTracker::finish() {
   last_ = found.pose;
   last_time_s_ = frame_time_s_;
   ++frames_;
+  if (trusted && scale_.weight > 0) {
+    scale_.log_scale = std::log(fit.scale);
+    scale_.weight =
+        std::min(scale_.weight + kScaleTrust * scaleInformation(found), weightOf(kBestScaleDeviation));
+    if (++scale_frames_ == kScaleFrames && std::abs(scale_.log_scale) < kOwnSize) {
+      scale_ = {0, 0};
+      last_.scale = 1;
+    }
+  }
   return fit;
 }
 

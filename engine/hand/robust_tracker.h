@@ -41,7 +41,7 @@ class RobustTracker {
 
   /// The hands on the device, for the clay: tracked only if the pose is to be trusted.
   const Buffer<GpuHandPose>& hands() const { return hands_; }
-  HandPoseFrame poseFrame() const;
+  HandPoseFrame poseFrame(double scale) const;
   Evidence& evidence() { return evidence_; }
   const Evidence& evidence() const { return evidence_; }
   const OutlineFitter& fitter() const { return fitter_; }
@@ -62,12 +62,15 @@ class RobustTracker {
   Buffer<GpuHandPose> hands_;
   bool has_pose_ = false;
   GpuOutlinePose last_{};
+  ScalePrior scale_;      ///< what is known of the hand's size; no weight: it is the model's
+  int scale_frames_ = 0;  ///< that contributed
   Vec3 velocity_ = Vec3::Zero(), spin_ = Vec3::Zero();
   double last_time_s_ = 0, frame_time_s_ = 0;
   int frames_ = 0;  ///< consecutively tracked; two define a motion
   int uncertain_frames_ = 0;
   std::uint32_t learned_cameras_ = 0;  ///< whose colours are known
   std::uint32_t next_camera_ = 0;      ///< that learns
+  int searches_ = 0;                   ///< without success
   int clock_ = 0;                      ///< frames, where they have no times
 };
 

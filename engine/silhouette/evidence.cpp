@@ -40,7 +40,7 @@ Evidence::Evidence(Gpu& gpu, const GpuRig& rig)
       colours_(gpu, rig.pixels() / 4),
       evidence_(gpu, rig.pixels() / 16),
       counts_(gpu, 2 * kColourCounts),
-      sums_(gpu, std::size_t(2) * (rig.pixels() / 64)),
+      sums_(gpu, std::size_t(kTileSums) * (rig.pixels() / 64)),
       histograms_(gpu, std::size_t(2) * kColourTable * rig.cameraCount()),
       tables_(gpu, std::size_t(2) * kColourTable * rig.cameraCount()) {
   forgetColours();
@@ -73,7 +73,8 @@ std::uint32_t Evidence::largestRegion() const {
 }
 
 void Evidence::record(Recorder& recorder, const Buffer<std::uint32_t>& images,
-                      const Buffer<std::uint32_t>& model, std::span<const GpuTileRegion> regions) {
+                      const Buffer<std::uint32_t>& model, std::span<const GpuTileRegion> regions,
+                      const EvidenceAssumptions& assumptions) {
   std::ranges::copy(regions, regions_.host().begin());
   const std::uint32_t cameras = rig_.cameraCount(), tiles = largestRegion();
 
@@ -103,6 +104,8 @@ void Evidence::record(Recorder& recorder, const Buffer<std::uint32_t>& images,
   args.sums = sums_;
   args.tables = tables_;
   args.evidence = evidence_;
+  args.least_light = static_cast<float>(assumptions.least_light);
+  args.texture_trust = static_cast<float>(assumptions.texture_trust);
   recorder.dispatch(evidence_kernel_, args, groupsFor(kTileCells * tiles, kEvidenceWorkgroup), cameras);
 }
 
@@ -133,7 +136,7 @@ void Evidence::recordLearning(Recorder& recorder, std::uint32_t camera, const Bu
   table.histograms = histograms_;
   table.tables = tables_;
   table.camera = camera;
-  recorder.dispatch(table_kernel_, table, groupsFor(kColourTable, kEvidenceWorkgroup), 2);
+  recorder.dispatch(table_kernel_, table, groupsFor(kColourBins * kColourBins, kEvidenceWorkgroup), 2);
 }
 
 void Evidence::recordMasks(Recorder& recorder, const Buffer<std::uint32_t>& masks) {

@@ -4,8 +4,8 @@
 // (shaders/silhouette/evidence_io.h states the model).
 //
 // Sources: probabilities instead of masks after Franco and Boyer 2005, "Fusion of multi-view silhouette cues
-// using a space occupancy grid"; appearance models shared by all views after Djelouah et al. 2013, "Multi-view
-// object segmentation in space and time".
+// using a space occupancy grid"; appearance models shared by all views after Djelouah et al. 2013,
+// "Multi-view object segmentation in space and time".
 #pragma once
 
 #include <span>
@@ -14,6 +14,12 @@
 #include "shaders/silhouette/evidence_io.h"
 
 namespace airclay {
+
+/// What explains a change of the background.
+struct EvidenceAssumptions {
+  double least_light = kFullShadow;  ///< the darkest shadow, as a factor of the background
+  double texture_trust = 0;          ///< how much missing texture tells about a tile; 0 or kTextureTrust
+};
 
 class Evidence {
  public:
@@ -24,7 +30,7 @@ class Evidence {
                         const CameraRange& cameras = {});
   /// Records the evidence of a frame in one region per camera. `images` and `model` are in GpuRig's layout.
   void record(Recorder& recorder, const Buffer<std::uint32_t>& images, const Buffer<std::uint32_t>& model,
-              std::span<const GpuTileRegion> regions);
+              std::span<const GpuTileRegion> regions, const EvidenceAssumptions& assumptions = {});
   /// Records learning the colours of one camera from the fitted hand's mask and forearm (outline_io.h), with
   /// the weight `rate` for the new colours. \pre record() of the same frame
   void recordLearning(Recorder& recorder, std::uint32_t camera, const Buffer<std::uint32_t>& masks,
@@ -88,19 +94,26 @@ inline std::array<std::uint32_t, 2> tilesOf(const GpuCamera& camera) {
   return {camera.width / kEvidenceTile, camera.height / kEvidenceTile};
 }
 /// The first cell of a camera, and of a tile.
-inline std::uint32_t firstCell(const GpuCamera& camera) { return 4 * (camera.pixels_before / 16); }
-inline std::uint32_t firstTile(const GpuCamera& camera) { return camera.pixels_before / 64; }
+inline std::uint32_t firstCell(const GpuCamera& camera) {
+  return 4 * (camera.pixels_before / 16);
+}
+inline std::uint32_t firstTile(const GpuCamera& camera) {
+  return camera.pixels_before / 64;
+}
 /// A packed colour, and the log-likelihood ratio of an evidence byte.
 inline Vec3 unpackColour(std::uint32_t word) {
   return kCellColourStep * Vec3(word & 1023, word >> 10 & 1023, word >> 20 & 1023);
 }
-inline double evidenceOf(std::uint8_t byte) { return ((byte >> 1) - double(kEvidenceZero)) / kEvidenceSteps; }
+inline double evidenceOf(std::uint8_t byte) {
+  return ((byte >> 1) - double(kEvidenceZero)) / kEvidenceSteps;
+}
 /// The bin of a colour in the histograms.
 std::uint32_t colourBin(const Vec3& colour);
 
 // --- the reference implementation, in double precision, step by step ---
 
-/// The gains of B, G and R of an image against the background. `image`: BGR bytes; `model`: one word per pixel.
+/// The gains of B, G and R of an image against the background. `image`: BGR bytes; `model`: one word per
+/// pixel.
 Vec3 gainReference(int width, int height, std::span<const std::uint8_t> image,
                    std::span<const std::uint32_t> model);
 /// The mean colour of cell (x, y) after division by the gains.
@@ -108,15 +121,16 @@ Vec3 cellColourReference(int width, std::span<const std::uint8_t> image, const V
 /// The light factor of cell (x, y) from a region's sums of image times background and background squared.
 /// `sums`: two per tile, row by row, `columns` tiles per row.
 double lightReference(std::span<const float> sums, std::uint32_t columns, const GpuTileRegion& region, int x,
-                      int y);
+                      int y, double least_light = kFullShadow);
 
 struct CellEvidence {
   double log_ratio = 0;  ///< clipped at kMaxEvidence
   double change = 0;     ///< in units of kChangedResidual: changed from 1 on
 };
 /// The evidence of a cell. `hand` and `other`: densities of its colour relative to a uniform one.
+/// `texture`: the increase of the residual by the tile's.
 CellEvidence evidenceReference(const Vec3& seen, const Vec3& background, double variance, double light,
-                               double hand, double other);
+                               double texture, double hand, double other);
 /// The smoothed densities of a histogram of kColourTable bins whose sum is 1.
 std::vector<double> colourTableReference(std::span<const float> histogram, double uniform);
 

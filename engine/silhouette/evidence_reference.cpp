@@ -9,9 +9,13 @@
 namespace airclay {
 namespace {
 
-Vec3 bgr(std::uint32_t word) { return Vec3(word & 255, word >> 8 & 255, word >> 16 & 255); }
+Vec3 bgr(std::uint32_t word) {
+  return Vec3(word & 255, word >> 8 & 255, word >> 16 & 255);
+}
 
-double binCenter(std::size_t bin) { return kLeastGain + (double(bin) + 0.5) / kGainBins; }
+double binCenter(std::size_t bin) {
+  return kLeastGain + (double(bin) + 0.5) / kGainBins;
+}
 
 }  // namespace
 
@@ -63,8 +67,7 @@ Vec3 gainReference(int width, int height, std::span<const std::uint8_t> image,
 Vec3 cellColourReference(int width, std::span<const std::uint8_t> image, const Vec3& gain, int x, int y) {
   Vec3 sum = Vec3::Zero();
   for (int k = 0; k < 4; ++k) {
-    const std::size_t pixel =
-        std::size_t(2 * y + k / 2) * std::size_t(width) + std::size_t(2 * x + k % 2);
+    const std::size_t pixel = std::size_t(2 * y + k / 2) * std::size_t(width) + std::size_t(2 * x + k % 2);
     for (int channel = 0; channel < 3; ++channel)
       sum[channel] += image[3 * pixel + std::size_t(channel)] / (4 * gain[channel]);
   }
@@ -72,7 +75,7 @@ Vec3 cellColourReference(int width, std::span<const std::uint8_t> image, const V
 }
 
 double lightReference(std::span<const float> sums, std::uint32_t columns, const GpuTileRegion& region, int x,
-                      int y) {
+                      int y, double least_light) {
   // the cell's position in tiles, from the first tile's centre
   const double u = (x + 0.5) / kTileCells - 0.5, v = (y + 0.5) / kTileCells - 0.5;
   const int left = int(std::floor(u)), top = int(std::floor(v));
@@ -83,19 +86,20 @@ double lightReference(std::span<const float> sums, std::uint32_t columns, const 
       const int tile_x = std::clamp(left + dx, int(region.low[0]), int(region.high[0]) - 1);
       const int tile_y = std::clamp(top + dy, int(region.low[1]), int(region.high[1]) - 1);
       const std::size_t tile = std::size_t(tile_y) * columns + std::size_t(tile_x);
-      seen += weight * sums[2 * tile];
-      background += weight * sums[2 * tile + 1];
+      seen += weight * sums[kTileSums * tile];
+      background += weight * sums[kTileSums * tile + 1];
     }
-  return std::clamp(seen / (background + 1), double(kLeastLight), double(kMostLight));
+  return std::clamp(seen / (background + 1), least_light, double(kMostLight));
 }
 
 CellEvidence evidenceReference(const Vec3& seen, const Vec3& background, double variance, double light,
-                               double hand, double other) {
+                               double texture, double hand, double other) {
   const double noise = variance + std::pow(kTextureNoise * seen.mean(), 2);
-  const double distance = (seen - light * background).squaredNorm() / (2 * noise);
+  const double distance = (seen - light * background).squaredNorm() / (2 * noise) + texture;
   const auto beyond = [](double value, double spread) { return std::pow(std::max(0.0, value) / spread, 2); };
-  const double unlikely = beyond(kDimmest - light, kDimmerSpread) + beyond(light - kBrighter, kBrighterSpread);
-  const double density = std::pow(256.0, 3) * std::exp(-std::min(distance, 40.0) - unlikely) /
+  const double unlikely =
+      beyond(kDimmest - light, kDimmerSpread) + beyond(light - kBrighter, kBrighterSpread);
+  const double density = std::pow(256.0, 3) * std::exp(-std::clamp(distance, 0.0, 40.0) - unlikely) /
                          std::pow(2 * std::numbers::pi * noise, 1.5);
   CellEvidence result;
   const double ratio = std::log(hand / (kBackgroundPrior * density + (1 - double(kBackgroundPrior)) * other));
@@ -117,7 +121,8 @@ std::vector<double> colourTableReference(std::span<const float> histogram, doubl
         double sum = 0;
         for (int k = 0; k < 27; ++k) {
           const int dx = k / 9 - 1, dy = k / 3 % 3 - 1, dz = k % 3 - 1;
-          sum += (2 - std::abs(dx)) * (2 - std::abs(dy)) * (2 - std::abs(dz)) / 64.0 * at(x + dx, y + dy, z + dz);
+          sum += (2 - std::abs(dx)) * (2 - std::abs(dy)) * (2 - std::abs(dz)) / 64.0 *
+                 at(x + dx, y + dy, z + dz);
         }
         table.push_back((1 - uniform) * kColourTable * sum + uniform);
       }

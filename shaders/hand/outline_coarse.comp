@@ -58,6 +58,7 @@ void main() {
       found.weight = min(information, 1 / (kCoarseDeviation * kCoarseDeviation)) / (1 + outlier * outlier) *
                      min(line.length_, kLongestLine) / kLinePixels;
       found.row = rowOf(args.cameras.at[index], line, poseAt(args.pose, args.frame, index));
+      found.blur = blurOf(found.row);
     }
   }
   args.lines.at[result] = found;

@@ -16,19 +16,24 @@ struct Sample {
   vec3 seen, background;
 };
 
-// Bilinear interpolation of an image, at the background's exposure, and of the background.
+vec3 channels(uint word) { return vec3(word & 255u, word >> 8 & 255u, word >> 16 & 255u); }
+
+READ_POINTER(ReadPair, uint64_t)
+
+// Bilinear interpolation of an image, at the background's exposure, and of the background. Loads two words at a time.
 Sample sampleAt(ImageLayout image, vec3 per_gain, vec2 point) {
   const vec2 low = floor(point), t = point - low;
   Sample sum = Sample(vec3(0), vec3(0));
-  for (uint k = 0; k < 4; ++k) {
-    const uint dx = k & 1u, dy = k >> 1;
-    const float weight = (dx == 1 ? t.x : 1 - t.x) * (dy == 1 ? t.y : 1 - t.y);
-    const uint pixel = (uint(low.y) + dy) * image.width + uint(low.x) + dx;
+  for (uint dy = 0; dy < 2; ++dy) {
+    const uint pixel = (uint(low.y) + dy) * image.width + uint(low.x);
+    // two pixels are six bytes of three words
     const uint word = image.image_words + 3 * pixel / 4, shift = 8 * (3 * pixel & 3u);
-    const uint seen = uint(packUint2x32(uvec2(args.images.at[word], args.images.at[word + 1])) >> shift);
-    const uint mean = args.model.at[image.pixels_before + pixel];
-    sum.seen += weight * vec3(seen & 255u, seen >> 8 & 255u, seen >> 16 & 255u);
-    sum.background += weight * vec3(mean & 255u, mean >> 8 & 255u, mean >> 16 & 255u);
+    const uvec2 first = unpackUint2x32(ReadPair(uint64_t(args.images) + 4ul * word).at[0]);
+    const uint a = uint(packUint2x32(first) >> shift), b = uint(packUint2x32(uvec2(first.y, args.images.at[word + 2])) >> shift);
+    const uvec2 mean = unpackUint2x32(ReadPair(uint64_t(args.model) + 4ul * (image.pixels_before + pixel)).at[0]);
+    const float weight = dy == 1 ? t.y : 1 - t.y;
+    sum.seen += weight * mix(channels(a), channels(a >> 24 | b << 8), t.x);
+    sum.background += weight * mix(channels(mean.x), channels(mean.y), t.x);
   }
   sum.seen *= per_gain;
   return sum;
@@ -48,6 +53,9 @@ void main() {
     args.lines.at[result] = found;
     return;
   }
+  found.row = rowOf(args.cameras.at[index], line, poseAt(args.pose, args.frame, index));
+  found.blur = blurOf(found.row);
+  const float ramp = kFineRamp;
   const vec3 per_gain = 1 / vec3(args.gains.at[4 * index], args.gains.at[4 * index + 1], args.gains.at[4 * index + 2]);
   vec3 seen[kSamples], background[kSamples];
   vec3 far_seen = vec3(0), far_background = vec3(0);
@@ -65,7 +73,7 @@ void main() {
       far_count += 1;
     }
   }
-  const float light = clamp(dot(far_seen, far_background) / max(dot(far_background, far_background), 1), kLeastLight, kMostLight);
+  const float light = clamp(dot(far_seen, far_background) / max(dot(far_background, far_background), 1), kFullShadow, kMostLight);
   const bool somebody = length(far_seen - light * far_background) > kFineOther * far_count;
   for (int k = -inside; k <= outside; ++k)
     background[k + kFineInside] = somebody ? far_seen / far_count : light * background[k + kFineInside];
@@ -83,7 +91,7 @@ void main() {
     float a00 = 1e-6, a01 = 0, a11 = prior, square = 0;
     vec3 r0 = vec3(0), r1 = vec3(0);
     for (int k = -inside; k <= outside; ++k) {
-      const float x = float(k) - e, s = clamp(0.5 - x / kFineRamp, 0, 1);
+      const float x = float(k) - e, s = clamp(0.5 - x / ramp, 0, 1);
       const vec3 y = seen[k + kFineInside] - (1 - s) * background[k + kFineInside];
       a00 += s * s;
       a01 += s * s * x;
@@ -118,9 +126,8 @@ void main() {
     }
     if (variance < kFineFlat * (high - low) * (high - low) / 12) {
       found.offset = mean;
-      const float outlier = mean / kFineOutlier;
+      const float outlier = mean / (kFineOutlier);
       found.weight = 1 / (variance + kFineDeviation * kFineDeviation) / (1 + outlier * outlier) * min(line.length_, kLongestLine) / kLinePixels;
-      found.row = rowOf(args.cameras.at[index], line, poseAt(args.pose, args.frame, index));
     }
   }
   args.lines.at[result] = found;

@@ -58,8 +58,8 @@ struct GpuOutlineFrame {
 
 READ_POINTER(ReadOutlineFrames, GpuOutlineFrame)
 
-// outline_project: projects the skin into each camera at the camera's own time. One invocation per vertex and
-// camera, and one more per camera for the forearm. A vertex that the lens model does not cover is at
+// outline_project: projects the skin into each camera at the camera's own time, and the forearm. Each invocation
+// projects several vertices of a camera. A vertex that the lens model does not cover is at
 // kNotProjected.
 const float kNotProjected = -1e9f;
 const float kNearest = 0.05f;  // metres: the forearm's axis is cut off at this depth
@@ -106,6 +106,7 @@ struct GpuOutlineLine {
   float offset;  // pixels, positive outwards
   float weight;  // pixels⁻², 0: no evidence
   float length_;  // of the edge in pixels, 0: not part of the outline
+  float blur;     // how far the edge moves along the line during an exposure, pixels
 };
 
 READ_POINTER(ReadOutlineLines, GpuOutlineLine)
@@ -149,7 +150,9 @@ const int kFineInside = 4;   // pixels
 const int kFineOutside = 6;
 const int kFineReach = 3;
 const float kFineStep = 0.5f;
-const float kFineRamp = 2;
+const float kFineRamp = 2;  // pixels, plus the blur
+const float kExposure = 0.01f;  // seconds, of an ordinary camera indoors
+const float kMostBlur = 6;       // pixels
 const float kFineNoise = 4;        // grey levels
 const float kFineSlope = 6;        // grey levels per pixel: expected shading on the inside
 const float kFineDeviation = 0.35f;  // pixels, at least
@@ -157,7 +160,7 @@ const float kFineOutlier = 1;      // pixels: half the weight
 // Outside, from kFineNear to kFineFar pixels, the background must fit within this residual; otherwise another
 // person is behind the hand, and the mean colour there replaces the background.
 const int kFineNear = 3;
-const int kFineFar = 10;
+const int kFineFar = 6;
 const float kFineOther = 10;  // grey levels
 const float kFineFlat = 0.6f;  // of the variance of a uniform distribution: more than this is no evidence
 
@@ -185,7 +188,7 @@ const float kOutlineShift = 0.02f;  // m: damping
 const float kOutlineTurn = 0.3f;    // rad
 const float kOutlineMaxShift = 0.03f;
 const float kOutlineMaxTurn = 0.3f;
-const float kGoodOffset = 1.5f;  // pixels: a line that agrees
+const float kGoodOffset = 1.5f;  // pixels, plus half the blur: a line that agrees
 
 // The sums over the lines of the last step, before it: a measure of the fit.
 struct GpuOutlineFit {

@@ -87,4 +87,10 @@ float[7] rowOf(GpuCamera camera, Line line, GpuOutlinePose pose) {
   return float[7](gradient.x, gradient.y, gradient.z, turn.x, turn.y, turn.z, dot(gradient, arm));
 }
 
-const GpuOutlineLine kNoLine = GpuOutlineLine(float[7](0, 0, 0, 0, 0, 0, 0), 0, 0, 0);
+// How far the edge moves along the line while the image is exposed, pixels.
+float blurOf(float[7] row) {
+  const vec3 shift = vec3(row[0], row[1], row[2]), turn = vec3(row[3], row[4], row[5]);
+  return min(kMostBlur, kExposure * abs(dot(shift, args.frame.at[0].velocity) + dot(turn, args.frame.at[0].spin)));
+}
+
+const GpuOutlineLine kNoLine = GpuOutlineLine(float[7](0, 0, 0, 0, 0, 0, 0), 0, 0, 0, 0);

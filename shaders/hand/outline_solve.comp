@@ -50,7 +50,7 @@ void main() {
       sums[kResidual] += line.weight * line.offset * line.offset;
       sums[kWeight] += line.weight;
       sums[kLines] += 1;
-      if (abs(line.offset) < kGoodOffset) sums[kGood] += line.length_;
+      if (abs(line.offset) < kGoodOffset + 0.5 * line.blur) sums[kGood] += line.length_;
     }
     reduce(sums);
     if (gl_LocalInvocationID.x == 0) {

@@ -18,7 +18,7 @@ void main() {
   const uint tile_x = region.low[0] + gl_GlobalInvocationID.x % columns, tile_y = region.low[1] + gl_GlobalInvocationID.x / columns;
   const vec3 per_gain = 0.25 / vec3(args.gains.at[4 * gl_WorkGroupID.y], args.gains.at[4 * gl_WorkGroupID.y + 1],
                                     args.gains.at[4 * gl_WorkGroupID.y + 2]);
-  float seen_background = 0, background_background = 0;
+  float seen_background = 0, background_background = 0, seen_seen = 0;
   for (uint row = 0; row < kTileCells; ++row) {
     vec3 sums[kTileCells];
     for (uint x = 0; x < kTileCells; ++x) sums[x] = vec3(0);
@@ -46,9 +46,11 @@ void main() {
       const vec3 seen = unpackColour(word), background = unpackColour(args.background.at[cell].colour);
       seen_background += dot(seen, background);
       background_background += dot(background, background);
+      seen_seen += dot(seen, seen);
     }
   }
   const uint tile = tiles.first_tile + tile_y * tiles.columns + tile_x;
-  args.sums.at[2 * tile] = seen_background;
-  args.sums.at[2 * tile + 1] = background_background;
+  args.sums.at[kTileSums * tile] = seen_background;
+  args.sums.at[kTileSums * tile + 1] = background_background;
+  args.sums.at[kTileSums * tile + 2] = seen_seen;
 }

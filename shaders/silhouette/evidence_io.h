@@ -49,14 +49,24 @@ struct GpuTileRegion {
 
 READ_POINTER(ReadTileRegions, GpuTileRegion)
 
-// The light factor of a neighbourhood is limited to this range. Below kDimmest or above kBrighter it becomes
+// The light factor of a neighbourhood is limited to the range from the least light, an argument, to
+// kMostLight. Where the hand has the table's colour, full shadow explains it; with kDaylight as the least
+// light, a shadow counts as a change instead. Below kDimmest or above kBrighter it becomes
 // an unlikely explanation, within kDimmerSpread and kBrighterSpread.
-const float kLeastLight = 0.35f;
+const float kFullShadow = 0.35f;
+const float kDaylight = 0.9f;
 const float kMostLight = 1.15f;
 const float kDimmest = 0.75f;
 const float kDimmerSpread = 0.25f;
 const float kBrighter = 1.05f;
 const float kBrighterSpread = 0.05f;
+// The light factor leaves a residual in a tile. Where the hand has the table's colour, only the missing texture
+// of the table gives it away: a cell's squared residual, in units of twice the variance, is increased by a
+// trust, an argument, times the tile's mean beyond kTileNoise, by at most kTileChange either way.
+const uint kTileSums = 3;
+const float kTextureTrust = 2;
+const float kTileNoise = 2;
+const float kTileChange = 4;
 // A cell counts as changed if its squared residual is this many times twice the variance, where light below
 // kChangedLight counts as a residual as well, in units of kChangedLightSpread.
 const float kChangedResidual = 6;
@@ -89,7 +99,7 @@ struct EvidenceBackgroundArgs {
 // kGainStep-th pixel in x and y: the mean of the ratios within kGainSpread of their median, from a histogram
 // of kGainBins between kLeastGain and kLeastGain + 1, repeated kGainRounds times about the last mean. Pixels
 // that are dark in the background or saturated do not count. Four floats per camera: B, G, R, unused.
-const uint kGainStep = 8;
+const uint kGainStep = 16;
 const uint kGainBins = 256;
 const uint kGainRounds = 4;
 const float kLeastGain = 0.5f;
@@ -106,7 +116,7 @@ struct EvidenceGainArgs {
 };
 
 // evidence_cells: one invocation per tile of the region: the colours of its cells, divided by the gains, and
-// the sums of image times background and of background squared, over cells and channels.
+// the sums of image times background, of background squared and of image squared, over cells and channels.
 struct EvidenceCellArgs {
   ReadCameras cameras;
   ReadUints images;
@@ -114,7 +124,7 @@ struct EvidenceCellArgs {
   ReadCellBackgrounds background;
   ReadTileRegions regions;
   WriteUints colours;
-  WriteFloats sums;  // two per tile
+  WriteFloats sums;  // kTileSums per tile
 };
 
 // evidence: one invocation per row of four cells of a tile. The light factor is the ratio of the tiles' sums,
@@ -127,6 +137,8 @@ struct EvidenceArgs {
   ReadFloats sums;
   ReadFloats tables;  // per camera: the hand's density, then that of everything else
   WriteUints evidence;
+  float least_light;
+  float texture_trust;
 };
 
 // evidence_count: counts the colours of cells well inside the fitted hand, and of changed cells away from it
@@ -156,7 +168,7 @@ struct EvidenceHistogramArgs {
 };
 
 // evidence_table: smooths a camera's histograms by the binomial filter 1 2 1 in each channel and mixes in the
-// uniform density. One invocation per bin and histogram.
+// uniform density. One invocation per row of bins along the last channel, and histogram.
 struct EvidenceTableArgs {
   ReadFloats histograms;
   WriteFloats tables;

@@ -8,17 +8,26 @@ layout(local_size_x_id = 0) in;
 layout(push_constant, scalar) uniform Push { EvidenceTableArgs args; };
 
 void main() {
-  const uint bin = gl_GlobalInvocationID.x, histogram = gl_WorkGroupID.y;
-  if (bin >= kColourTable) return;
+  const uint row = gl_GlobalInvocationID.x, histogram = gl_WorkGroupID.y;
+  if (row >= kColourBins * kColourBins) return;
   const uint first = (2 * args.camera + histogram) * kColourTable;
-  const ivec3 at = ivec3(bin / (kColourBins * kColourBins), bin / kColourBins % kColourBins, bin % kColourBins);
-  float sum = 0;
-  for (int x = -1; x <= 1; ++x)
-    for (int y = -1; y <= 1; ++y)
-      for (int z = -1; z <= 1; ++z) {
-        const uvec3 near = uvec3(clamp(at + ivec3(x, y, z), ivec3(0), ivec3(kColourBins - 1)));
-        sum += float((2 - abs(x)) * (2 - abs(y)) * (2 - abs(z))) * args.histograms.at[first + (near.x * kColourBins + near.y) * kColourBins + near.z];
-      }
+  const ivec2 at = ivec2(row / kColourBins, row % kColourBins);
   const float uniform_ = histogram == 0 ? kHandUniform : kOtherUniform;
-  args.tables.at[first + bin] = (1 - uniform_) * float(kColourTable) / 64 * sum + uniform_;
+  const float factor = (1 - uniform_) * float(kColourTable) / 64;
+  float before = 0, here = 0;  // sums over the other two channels
+  for (uint z = 0; z <= kColourBins; ++z) {
+    float next = here;  // the last bin repeats past the end
+    if (z < kColourBins) {
+      next = 0;
+      for (int x = -1; x <= 1; ++x)
+        for (int y = -1; y <= 1; ++y) {
+          const uvec2 near = uvec2(clamp(at + ivec2(x, y), ivec2(0), ivec2(kColourBins - 1)));
+          next += float((2 - abs(x)) * (2 - abs(y))) * args.histograms.at[first + (near.x * kColourBins + near.y) * kColourBins + z];
+        }
+    }
+    if (z == 0) before = next;
+    else args.tables.at[first + row * kColourBins + z - 1] = factor * (before + 2 * here + next) + uniform_;
+    before = z == 0 ? next : here;
+    here = next;
+  }
 }
