@@ -84,6 +84,11 @@ std::vector<RoomTake> standardRooms() {
   add("unsynchronised", "the cameras' clocks are up to 33 ms apart",
       with(person, &RoomOptions::clock_spread_s, 0.033));
 
+  add("second-person", "somebody walks next to the desk",
+      with(person, &RoomOptions::has_second_person, true));
+  add("seated", "the person is there while the background is learned",
+      with(person, &RoomOptions::background, BackgroundFrames::kSeated));
+
   RoomOptions everything;
   everything.skin = kMediumSkin;
   everything.arm = Arm::kBare;

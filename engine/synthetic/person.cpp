@@ -166,7 +166,11 @@ Person::Person(const HandModel& hand, const RoomOptions& options)
       {{-kUpperArm, 0.062, 0.060}, {-0.15, 0.056, 0.056}, {bare ? -0.13 : 0, bare ? 0.056 : 0.048, 0.048}},
       bare ? 0.004 : 0.044);
   addBalls(Bone::kUpperArm, {-kUpperArm, 0, 0}, Vec3::Zero(), 0.06, 0.045);
-  addBody();
+  addBody(Bone::kTorso, Bone::kHead);
+  addRestingArm(Bone::kTorso, -side_);
+  if (!options.has_second_person) return;
+  addBody(Bone::kSecondTorso, Bone::kSecondHead);
+  for (const double side : {-1., 1.}) addRestingArm(Bone::kSecondTorso, side);
 }
 
 void Person::addHand(const HandModel& hand, const RoomOptions& options) {
@@ -245,10 +249,10 @@ void Person::addForearm(const RoomOptions& options) {
   addBalls(Bone::kForearm, {-kForearm, 0, 0}, Vec3::Zero(), 0.044, depth);
 }
 
-void Person::addBody() {
+void Person::addBody(Bone torso, Bone head) {
   const double neck = (kNeck - kHip).norm();
   const Pose straight = Pose::Identity();
-  addLoft(mesh_, Bone::kTorso, Material::kShirt, straight,
+  addLoft(mesh_, torso, Material::kShirt, straight,
           {{-0.06, 0.175, 0.140},
            {0.18, 0.160, 0.125},
            {0.42, 0.175, 0.125},
@@ -256,24 +260,27 @@ void Person::addBody() {
            {0.64, 0.150, 0.085},
            {neck - 0.01, 0.065, 0.065}},
           0.03);
-  addBalls(Bone::kTorso, {0.05, 0, 0}, {0.60, 0, 0}, 0.15, 0.14);
-  // the other arm rests on the lap
-  const Vec3 shoulder(neck + kShoulderFromNeck.z(), -side_ * kShoulderFromNeck.x(), 0);
-  const Vec3 elbow = shoulder + Vec3(-0.29, -side_ * 0.07, 0.05),
-             wrist = elbow + Vec3(-0.07, side_ * 0.10, 0.22);
-  addLoft(mesh_, Bone::kTorso, Material::kShirt, frameAt(elbow, elbow - shoulder, Vec3::UnitZ()),
-          {{-(elbow - shoulder).norm(), 0.062, 0.060}, {0, 0.048, 0.048}}, 0.044);
-  addLoft(mesh_, Bone::kTorso, Material::kShirt, frameAt(wrist, wrist - elbow, Vec3::UnitX()),
-          {{-(wrist - elbow).norm(), 0.049, 0.049}, {0, 0.036, 0.032}}, 0.02);
-  addLoft(mesh_, Bone::kHead, Material::kSkin, straight, {{-0.10, 0.060, 0.060}, {0.06, 0.056, 0.058}}, 0.02);
+  addBalls(torso, {0.05, 0, 0}, {0.60, 0, 0}, 0.15, 0.14);
+  addLoft(mesh_, head, Material::kSkin, straight, {{-0.10, 0.060, 0.060}, {0.06, 0.056, 0.058}}, 0.02);
   Pose face = Pose::Identity();
   face.translation() = Vec3(0.14, 0, 0.025);
-  addLoft(mesh_, Bone::kHead, Material::kSkin, face, {{-0.02, 0.070, 0.088}, {0.02, 0.075, 0.092}}, 0.10);
+  addLoft(mesh_, head, Material::kSkin, face, {{-0.02, 0.070, 0.088}, {0.02, 0.075, 0.092}}, 0.10);
   Pose hair = Pose::Identity();
   hair.linear() = Eigen::AngleAxisd(-0.5, Vec3::UnitY()).toRotationMatrix();  // low at the neck
   hair.translation() = Vec3(0.168, 0, 0.002);
-  addLoft(mesh_, Bone::kHead, Material::kHair, hair, {{-0.02, 0.080, 0.092}, {0.02, 0.080, 0.092}}, 0.072);
-  addBalls(Bone::kHead, {0.14, 0, 0.02}, {0.16, 0, 0.02}, 0.1, 0.1);
+  addLoft(mesh_, head, Material::kHair, hair, {{-0.02, 0.080, 0.092}, {0.02, 0.080, 0.092}}, 0.072);
+  addBalls(head, {0.14, 0, 0.02}, {0.16, 0, 0.02}, 0.1, 0.1);
+}
+
+/// An arm that rests on the lap, or in front of the body.
+void Person::addRestingArm(Bone torso, double side) {
+  const Vec3 shoulder((kNeck - kHip).norm() + kShoulderFromNeck.z(), side * kShoulderFromNeck.x(), 0);
+  const Vec3 elbow = shoulder + Vec3(-0.29, 0.07 * side, 0.05),
+             wrist = elbow + Vec3(-0.07, -0.10 * side, 0.22);
+  addLoft(mesh_, torso, Material::kShirt, frameAt(elbow, elbow - shoulder, Vec3::UnitZ()),
+          {{-(elbow - shoulder).norm(), 0.062, 0.060}, {0, 0.048, 0.048}}, 0.044);
+  addLoft(mesh_, torso, Material::kShirt, frameAt(wrist, wrist - elbow, Vec3::UnitX()),
+          {{-(wrist - elbow).norm(), 0.049, 0.049}, {0, 0.036, 0.032}}, 0.02);
 }
 
 void Person::addBalls(Bone bone, const Vec3& from, const Vec3& to, double radius_from, double radius_to) {
@@ -294,24 +301,28 @@ Pose Person::sided(const Pose& room_from_wrist) const {
   return mirrored;
 }
 
-BonePoses Person::poses(const Pose& room_from_wrist) const {
+ArmJoints armJoints(const Pose& room_from_wrist, double side) {
   const Vec3 wrist = room_from_wrist.translation();
-  // The shoulder leans towards a wrist out of reach.
-  const Vec3 upright = kNeck + Vec3(side_, 1, 1).cwiseProduct(kShoulderFromNeck);
+  const Vec3 upright = kNeck + Vec3(side, 1, 1).cwiseProduct(kShoulderFromNeck);
   const Vec3 ahead = (wrist - upright).normalized();
   const Vec3 lean = softExcess((wrist - upright).norm(), 0.9 * (kUpperArm + kForearm)) * ahead;
   const Vec3 shoulder = upright + lean, to_wrist = wrist - shoulder, axis = to_wrist.normalized();
-  // The elbow is on a circle about the axis, as far as possible behind the hand, and somewhat outwards and
-  // down.
   const double reach = to_wrist.norm();
   const double along = (kUpperArm * kUpperArm - kForearm * kForearm + reach * reach) / (2 * reach);
   const double radius = std::sqrt(std::max(kUpperArm * kUpperArm - along * along, 1e-6));
   const Vec3 center = shoulder + along * axis;
-  // less weight than the bias, so that it never turns over
-  Vec3 towards =
-      0.5 * (wrist - kForearm * room_from_wrist.linear().col(0) - center) + Vec3(0.20 * side_, 0, -0.12);
+  // The elbow is on a circle about the axis: outwards and down, and rather behind the hand; that has less
+  // weight, so that the elbow never turns over.
+  const Vec3 behind = wrist - kForearm * room_from_wrist.linear().col(0) - center;
+  Vec3 towards = 0.5 * behind + Vec3(0.20 * side, 0, -0.12);
   towards = (towards - axis * axis.dot(towards)).normalized();
-  const Vec3 elbow = center + radius * aboveDesk(towards, axis, (kDeskZ + 0.06 - center.z()) / radius);
+  const double lowest = (kDeskZ + 0.06 - center.z()) / radius;
+  return {shoulder, center + radius * aboveDesk(towards, axis, lowest), lean};
+}
+
+BonePoses Person::poses(const Pose& room_from_wrist, double time_s) const {
+  const Vec3 wrist = room_from_wrist.translation();
+  const auto [shoulder, elbow, lean] = armJoints(room_from_wrist, side_);
   BonePoses poses;
   const auto at = [&](Bone bone) -> Pose& { return poses[static_cast<std::size_t>(bone)]; };
   at(Bone::kHand) = room_from_wrist * hand_from_wrist_.inverse();
@@ -321,6 +332,11 @@ BonePoses Person::poses(const Pose& room_from_wrist) const {
   at(Bone::kTorso) = frameAt(kHip, neck - kHip, Vec3::UnitY());
   const Vec3 up = Vec3(0, 0.25, 1) + 0.5 * (neck - kHip).normalized();
   at(Bone::kHead) = frameAt(neck, up, Vec3::UnitY());
+  // The second person walks to and fro next to the desk and looks at it.
+  const Vec3 hip(-1.2, 0.1 + 0.25 * std::sin(1.7 * time_s), -0.35), ahead = Vec3::UnitX();
+  const Vec3 spine = Vec3(0.15, 0.05 * std::sin(3.4 * time_s), 1).normalized();
+  at(Bone::kSecondTorso) = frameAt(hip, spine, ahead);
+  at(Bone::kSecondHead) = frameAt(hip + (kNeck - kHip).norm() * spine, Vec3::UnitZ() + spine, ahead);
   return poses;
 }
 

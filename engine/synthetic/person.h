@@ -9,8 +9,8 @@
 
 namespace airclay {
 
-enum class Bone { kHand, kForearm, kUpperArm, kTorso, kHead };
-inline constexpr int kBones = 5;
+enum class Bone { kHand, kForearm, kUpperArm, kTorso, kHead, kSecondTorso, kSecondHead };
+inline constexpr int kBones = 7;
 /// room_from_bone, by Bone.
 using BonePoses = std::array<Pose, kBones>;
 
@@ -42,6 +42,13 @@ struct ShadowBall {
 /// the thumb of a left hand bend towards the viewer, those of a right hand away.
 bool isLeftHand(const HandModel& hand);
 
+/// The joints of the arm whose wrist is at `room_from_wrist`; `side`: 1 for a right arm, -1 for a left one.
+/// The shoulder leans towards a wrist out of reach.
+struct ArmJoints {
+  Vec3 shoulder, elbow, lean;
+};
+ArmJoints armJoints(const Pose& room_from_wrist, double side);
+
 class Person {
  public:
   Person(const HandModel& hand, const RoomOptions& options);
@@ -54,14 +61,14 @@ class Person {
   const Pose& handFromWrist() const { return hand_from_wrist_; }
   /// The mirror image of a right hand's room_from_wrist if this hand is a left one.
   Pose sided(const Pose& room_from_wrist) const;
-  /// Where every part is. The forearm ends at the wrist; the elbow follows from the shoulder, which follows
-  /// the hand if that is out of reach.
-  BonePoses poses(const Pose& room_from_wrist) const;
+  /// Where every part is. The forearm ends at the wrist. The time moves only the second person.
+  BonePoses poses(const Pose& room_from_wrist, double time_s = 0) const;
 
  private:
   void addHand(const HandModel& hand, const RoomOptions& options);
   void addForearm(const RoomOptions& options);
-  void addBody();
+  void addBody(Bone torso, Bone head);
+  void addRestingArm(Bone torso, double side);
   void addBalls(Bone bone, const Vec3& from, const Vec3& to, double radius_from, double radius_to);
 
   FigureMesh mesh_;

@@ -272,10 +272,10 @@ std::vector<Vec3f> Room::Parts::vertexLight(const BonePoses& poses, double dayli
 }
 
 void Room::Parts::drawFigure(CameraParts& camera, double time_s, double daylight) {
-  camera.figure.begin(vertexLight(person.poses(*roomFromWrist(time_s)), daylight));
+  camera.figure.begin(vertexLight(person.poses(*roomFromWrist(time_s), time_s), daylight));
   for (const Sample& sample : samples) {
     const double instant_s = std::max(time_s + sample.time * options.exposure_s, appears_s);
-    camera.figure.addSample(person.poses(*roomFromWrist(instant_s)), sample.offset,
+    camera.figure.addSample(person.poses(*roomFromWrist(instant_s), instant_s), sample.offset,
                             camera.view->depth_m[sample.quadrant]);
   }
 }
@@ -294,7 +294,7 @@ void Room::render(std::size_t index, int frame, std::span<std::uint8_t> bgr) {
   if (room_from_wrist) {
     parts.drawFigure(camera, time_s, daylight);
     if (options.has_shadows) {
-      const BonePoses poses = parts.person.poses(*room_from_wrist);
+      const BonePoses poses = parts.person.poses(*room_from_wrist, time_s);
       for (const ShadowBall& ball : parts.person.shadowBalls())
         shadow.add(poses[static_cast<std::size_t>(ball.bone)] * ball.center, ball.radius_m,
                    parts.scene.toWindow());

@@ -49,7 +49,8 @@ struct RoomOptions {
 
   Arm arm = Arm::kSleeve;
   double sleeve_from_wrist_m = 0.08;
-  bool has_person = true;  ///< torso, head and upper arms; needs an arm
+  bool has_person = true;          ///< torso, head and upper arms; needs an arm
+  bool has_second_person = false;  ///< walks next to the desk; needs the first
   Desk desk = Desk::kWood;
   bool has_shadows = true;  ///< of hand and person on the desk
 
@@ -57,8 +58,8 @@ struct RoomOptions {
   int background_frames = 10;
   BackgroundFrames background = BackgroundFrames::kNobody;
   int hand_frames = 90;  ///< after the background
-  double peak_speed_m_s =
-      0.6;             ///< of the wrist between places in the cube; it enters and leaves at up to 1 m/s
+  /// Of the wrist between places in the cube; it enters and leaves at up to 1 m/s.
+  double peak_speed_m_s = 0.6;
   double still_s = 1;  ///< how long the hand rests in the cube; 0: not at all
 
   double exposure_s = 1.0 / 80;  ///< motion blur; 0: none

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine/synthetic/texture.h"
+#include "engine/synthetic/person.h"
 
 namespace airclay {
 namespace {
@@ -31,8 +31,8 @@ Pose wristPose(const Vec3& wrist, double yaw, double pitch, double roll) {
   return pose;
 }
 
-/// The hand's centre is within 14 cm of the cube's, so the hand is inside the cube's inscribed sphere: the
-/// cube may have any orientation relative to the desk.
+/// The wrist bends by less than 55°. The hand's centre is within 14 cm of the cube's, so the hand is inside
+/// the cube's inscribed sphere: the cube may have any orientation relative to the desk.
 Pose randomPose(Random& random) {
   for (;;) {
     const double yaw = random.uniform(-45, 55), pitch = random.uniform(-40, 35),
@@ -40,7 +40,9 @@ Pose randomPose(Random& random) {
     const Vec3 center(random.uniform(-0.12, 0.12), random.uniform(-0.12, 0.10), random.uniform(-0.10, 0.12));
     Pose pose = wristPose(Vec3::Zero(), yaw, pitch, roll);
     pose.translation() = center - pose.linear() * Vec3(0.08, 0, 0);
-    if (center.norm() < 0.14) return pose;
+    const Vec3 forearm = (pose.translation() - armJoints(pose, 1).elbow).normalized();
+    const double wrist_bend = std::acos(std::clamp(forearm.dot(pose.linear().col(0)), -1., 1.));
+    if (center.norm() < 0.14 && wrist_bend < radians(55)) return pose;
   }
 }
 

@@ -323,18 +323,20 @@ TEST(Room, SkinIsTexturedAndEveryToneDiffers) {
 TEST(Room, ArmAndPersonAreVisibleOnlyIfTheyArePresent) {
   const auto differs = [](const RoomOptions& options, const RoomOptions& other) {
     Room a(rightHand(), options), b(rightHand(), other);
-    const Bytes x = imageOf(a, options, 0, 45), y = imageOf(b, other, 0, 45);
+    const Bytes x = imageOf(a, options, 1, 45), y = imageOf(b, other, 1, 45);
     int count = 0;
     for (std::size_t i = 0; i < x.size(); i += 3) count += std::abs(x[i] - y[i]) > 6;
     return count;
   };
-  RoomOptions sleeve = plainOptions(), bare = sleeve, none = sleeve, alone = sleeve;
+  RoomOptions sleeve = plainOptions(), bare = sleeve, none = sleeve, alone = sleeve, two = sleeve;
   bare.arm = Arm::kBare;
   none.arm = Arm::kNone;
   alone.has_person = false;
+  two.has_second_person = true;
   EXPECT_GT(differs(sleeve, bare), 200);
   EXPECT_GT(differs(alone, none), 400);
   EXPECT_GT(differs(sleeve, alone), 3000);
+  EXPECT_GT(differs(sleeve, two), 500);
 }
 
 TEST(Room, RigHasTwoToEightCamerasThatSeeTheCube) {
