@@ -129,7 +129,7 @@ struct Pipeline::Parts {
   RobustTracker::Frame frameOf(bool from_images, const FrameInput& input) const {
     const bool masks = !from_images || method == SilhouetteMethod::kPaper;
     return {masks ? mask_images->images() : images, masks ? mask_images->background() : silhouettes.model(),
-            input.missing_cameras, input.camera_times_s};
+            !masks, input.missing_cameras, input.camera_times_s};
   }
 
   /// From the voxel model to the new surface.
@@ -324,6 +324,14 @@ Pipeline::~Pipeline() = default;
 
 std::span<std::uint8_t> Pipeline::image(std::size_t camera) {
   return parts_->gpu_rig.image(parts_->images.host(), camera);
+}
+
+std::span<const std::uint8_t> Pipeline::image(std::size_t camera) const {
+  return parts_->gpu_rig.image(parts_->images.host(), camera);  // Parts is not const through its pointer
+}
+
+const Evidence* Pipeline::evidence() const {
+  return parts_->robust ? &parts_->robust->evidence() : nullptr;
 }
 
 void Pipeline::resetBackground() {

@@ -21,6 +21,7 @@
 #include "engine/hull/carve.h"
 #include "engine/mesh/distance_grid.h"
 #include "engine/sculpt/sculptor.h"
+#include "engine/silhouette/evidence.h"
 #include "engine/silhouette/silhouette.h"
 
 namespace airclay {
@@ -84,6 +85,7 @@ class Pipeline {
   /// The buffer for a camera's next image: BGR, 3 bytes per pixel, rows without padding, in memory that the
   /// kernels read.
   std::span<std::uint8_t> image(std::size_t camera);
+  std::span<const std::uint8_t> image(std::size_t camera) const;
   /// Learns from the images in memory, which show the empty workspace.
   void learnBackground();
   /// Discards the learned background, because the empty workspace has changed.
@@ -130,6 +132,8 @@ class Pipeline {
   const Rig& rig() const;
   const HandModel& hand() const;
   const Silhouettes& silhouettes() const;
+  /// The evidence for the hand (room silhouettes or robust fit), otherwise null.
+  const Evidence* evidence() const;
   const GpuRig& gpuRig() const;
   const Carver& carver() const;
   /// \pre there is clay

@@ -59,7 +59,7 @@ EvaluatedFrame evaluatedFrame(const PlayedFrame& frame, const Pose& truth) {
 /// Tracks a take; the frames that have ground truth, without those of the empty workspace.
 EvaluatedTake trackWithTruth(Gpu& gpu, Recording& take, const Truth& truth, const TakeTracking& tracking) {
   EvaluatedTake frames;
-  trackTake(gpu, take, tracking, [&](const PlayedFrame& frame) {
+  trackTake(gpu, take, tracking, [&](const Pipeline&, const PlayedFrame& frame) {
     if (frame.background) return;
     if (const std::optional<Pose> pose = truth.at(frame.time_s, 1 / take.rateHz()))
       frames.push_back(evaluatedFrame(frame, *pose));

@@ -6,12 +6,12 @@
 namespace airclay {
 
 void trackTake(Gpu& gpu, Recording& take, const TakeTracking& tracking,
-               const std::function<void(const PlayedFrame&)>& receive) {
+               const std::function<void(const Pipeline&, const PlayedFrame&)>& receive) {
   Pipeline pipeline(gpu, take.rig(), tracking.hand, tracking.pipeline);
   Player player(take, pipeline);
   Progress progress(tracking.label, take.frameCount(), tracking.shows_progress);
   while (const std::optional<PlayedFrame> frame = player.next()) {
-    receive(*frame);
+    receive(pipeline, *frame);
     progress.advance();
   }
 }

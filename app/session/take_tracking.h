@@ -18,6 +18,6 @@ struct TakeTracking {
 
 /// Passes each frame, background included, to `receive`. \throw Interrupted (app/cli/progress.h)
 void trackTake(Gpu& gpu, Recording& take, const TakeTracking& tracking,
-               const std::function<void(const PlayedFrame&)>& receive);
+               const std::function<void(const Pipeline&, const PlayedFrame&)>& receive);
 
 }  // namespace airclay

@@ -31,6 +31,8 @@ struct HandFit {
   bool uncertain = false;       ///< tracked, but not to be trusted for sculpting
   double agreement = 0;         ///< fraction of the outline that the images confirm (robust fit)
   double scale = 1;             ///< of the hand relative to its model
+  /// Of the centre of mass in metres and a rotation vector in radians, world axes (robust fit, otherwise 0).
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
 };
 
 /// A hand model for the fit: patches relative to the centre of mass of the solid hand.

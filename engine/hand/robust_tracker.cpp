@@ -43,17 +43,46 @@ constexpr int kUncertainLimit = 3;  // frames, then the hand is searched for
 // Weight of new colours while one camera learns per frame.
 constexpr double kLearningRate = 0.4;
 
+// The lines' errors are correlated along the outline and across steps: a fit tells this fraction of what
+// independent lines would. What all lines share, the bias of shaded edges and of the model, does not average
+// out. Both from the errors on rendered rooms.
+constexpr double kLineIndependence = 0.05;
+constexpr double kBiasShift_m = 0.0002, kBiasTurn_rad = 0.002;
+
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Matrix7 = Eigen::Matrix<double, 7, 7>;
+
+/// The information matrix of position, rotation vector and logarithm of the scale.
+Matrix7 informationOf(const GpuOutlineFit& fit) {
+  Matrix7 all;
+  int k = 0;
+  for (int row = 0; row < 7; ++row)
+    for (int column = 0; column <= row; ++column) all(row, column) = all(column, row) = fit.information[k++];
+  return all;
+}
+
+/// The covariance of position and rotation. A scale that is estimated adds to it.
+Matrix6 covarianceOf(const GpuOutlineFit& fit, const ScalePrior& scale) {
+  Matrix7 information = informationOf(fit);
+  information(6, 6) += scale.weight / kLineIndependence;
+  Matrix6 own = information.topLeftCorner<6, 6>();
+  const Eigen::Matrix<double, 6, 1> both = information.topRightCorner<6, 1>();
+  if (scale.weight > 0 && information(6, 6) > 0) own -= both * both.transpose() / information(6, 6);
+  own.diagonal().array() += 1e-9 * own.trace() + 1e-9;
+  Matrix6 covariance = own.ldlt().solve(Matrix6::Identity()) / kLineIndependence;
+  covariance.diagonal().head<3>().array() += kBiasShift_m * kBiasShift_m;
+  covariance.diagonal().tail<3>().array() += kBiasTurn_rad * kBiasTurn_rad;
+  return covariance;
+}
+
 double weightOf(double deviation) {
   return 1 / (deviation * deviation);
 }
 
 /// What a fit tells about the logarithm of the scale: 1 / variance, with an unknown pose.
 double scaleInformation(const GpuOutlineFit& fit) {
-  Eigen::Matrix<double, 7, 7> all;
-  int k = 0;
-  for (int row = 0; row < 7; ++row)
-    for (int column = 0; column <= row; ++column) all(row, column) = all(column, row) = fit.information[k++];
-  const Eigen::Matrix<double, 6, 6> pose = all.topLeftCorner<6, 6>();
+  const Matrix7 all = informationOf(fit);
+  const Matrix6 pose = all.topLeftCorner<6, 6>();
   const Eigen::Matrix<double, 6, 1> both = all.topRightCorner<6, 1>();
   return std::max(0.0, all(6, 6) - both.dot(pose.ldlt().solve(both)));
 }
@@ -140,6 +169,7 @@ std::vector<GpuTileRegion> RobustTracker::regionsAround(const GpuOutlinePose& po
 void RobustTracker::recordEvidence(Recorder& recorder, const Frame& frame) {
   evidence_.record(recorder, frame.images, frame.background,
                    regionsAround(expected(frame), outlineFrame(frame)));
+  if (frame.adapts_background) evidence_.recordAdaptation(recorder, frame.images, frame.background, true);
 }
 
 void RobustTracker::recordWholeEvidence(Recorder& recorder, const Frame& frame) {
@@ -150,6 +180,8 @@ void RobustTracker::recordWholeEvidence(Recorder& recorder, const Frame& frame) 
   }
   evidence_.record(recorder, frame.images, frame.background, regions,
                    kAttempts[std::size_t(searches_) % kAttempts.size()]);
+  if (frame.adapts_background && was_empty_)
+    evidence_.recordAdaptation(recorder, frame.images, frame.background, false);
 }
 
 void RobustTracker::recordFit(Recorder& recorder, const Frame& frame, const GpuOutlinePose& start,
@@ -190,7 +222,8 @@ bool RobustTracker::search(Recorder& recorder, const Frame& frame, StageTimes& s
   const double scale = std::exp(scale_.log_scale);
   std::vector<ScoredPose> candidates =
       search_.candidates(recorder, evidence_, outline_frame, scale, kCandidates, stage_ms);
-  if (candidates.empty()) return false;
+  was_empty_ = candidates.empty();
+  if (was_empty_) return false;
   std::vector<GpuOutlinePose> poses;
   for (const ScoredPose& candidate : candidates) {
     recorder.begin();
@@ -231,6 +264,7 @@ HandFit RobustTracker::finish() {
   const bool trusted = device.tracked != 0;
   fit.agreement = length > 0 ? good / length : 0;
   fit.scale = found.pose.scale;
+  fit.covariance = covarianceOf(found, scale_);
   fit.iterations = 0;
   for (const OutlineStage& stage : kFollow) fit.iterations += stage.steps;
   fit.outcome = FitOutcome::kStalled;

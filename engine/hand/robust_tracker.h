@@ -17,6 +17,7 @@ class RobustTracker {
   struct Frame {
     const Buffer<std::uint32_t>& images;
     const Buffer<std::uint32_t>& background;  ///< Silhouettes::model()
+    bool adapts_background = false;
     std::uint32_t missing_cameras = 0;
     std::span<const double> camera_times_s;  ///< empty: all cameras at the same time
   };
@@ -70,6 +71,7 @@ class RobustTracker {
   int uncertain_frames_ = 0;
   std::uint32_t learned_cameras_ = 0;  ///< whose colours are known
   std::uint32_t next_camera_ = 0;      ///< that learns
+  bool was_empty_ = false;             ///< the last search found nothing that could be a hand
   int searches_ = 0;                   ///< without success
   int clock_ = 0;                      ///< frames, where they have no times
 };

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "shaders/silhouette/background_adapt.comp.h"
 #include "shaders/silhouette/evidence.comp.h"
 #include "shaders/silhouette/evidence_background.comp.h"
 #include "shaders/silhouette/evidence_cells.comp.h"
@@ -34,12 +35,15 @@ Evidence::Evidence(Gpu& gpu, const GpuRig& rig)
       histogram_kernel_(gpu, "evidence_histogram", evidence_histogram_comp, constants(rig)),
       table_kernel_(gpu, "evidence_table", evidence_table_comp, constants(rig)),
       mask_kernel_(gpu, "evidence_mask", evidence_mask_comp, constants(rig)),
+      adapt_kernel_(gpu, "background_adapt", background_adapt_comp, constants(rig)),
       background_(gpu, rig.pixels() / 4),
       gains_(gpu, std::size_t(4) * rig.cameraCount(), Memory::kHost),
       regions_(gpu, rig.cameraCount(), Memory::kHost),
+      no_regions_(gpu, std::vector<GpuTileRegion>(rig.cameraCount())),
       colours_(gpu, rig.pixels() / 4),
       evidence_(gpu, rig.pixels() / 16),
       counts_(gpu, 2 * kColourCounts),
+      candidates_(gpu, std::vector<std::uint32_t>(rig.pixels())),
       sums_(gpu, std::size_t(kTileSums) * (rig.pixels() / 64)),
       histograms_(gpu, std::size_t(2) * kColourTable * rig.cameraCount()),
       tables_(gpu, std::size_t(2) * kColourTable * rig.cameraCount()) {
@@ -137,6 +141,21 @@ void Evidence::recordLearning(Recorder& recorder, std::uint32_t camera, const Bu
   table.tables = tables_;
   table.camera = camera;
   recorder.dispatch(table_kernel_, table, groupsFor(kColourBins * kColourBins, kEvidenceWorkgroup), 2);
+}
+
+void Evidence::recordAdaptation(Recorder& recorder, const Buffer<std::uint32_t>& images,
+                                const Buffer<std::uint32_t>& model, bool has_hand) {
+  BackgroundAdaptArgs args{};
+  args.cameras = rig_.cameras();
+  args.images = images;
+  args.gains = gains_;
+  args.regions = has_hand ? regions_ : no_regions_;
+  args.model = model;
+  args.candidates = candidates_;
+  args.cells = background_;
+  args.phase = adapted_frames_++ % kAdaptRows;
+  const std::uint32_t cells = rig_.maxPixels() / 4 / kAdaptRows + rig_.maxRowWords() * 16;
+  recorder.dispatch(adapt_kernel_, args, groupsFor(cells, kEvidenceWorkgroup), rig_.cameraCount());
 }
 
 void Evidence::recordMasks(Recorder& recorder, const Buffer<std::uint32_t>& masks) {

@@ -35,6 +35,10 @@ class Evidence {
   /// the weight `rate` for the new colours. \pre record() of the same frame
   void recordLearning(Recorder& recorder, std::uint32_t camera, const Buffer<std::uint32_t>& masks,
                       const Buffer<vec4>& forearms, double rate);
+  /// Records the adaptation of a part of the background to the frame's images, outside the regions if
+  /// `has_hand`. `model` is Silhouettes::model(). \pre record() of the same frame
+  void recordAdaptation(Recorder& recorder, const Buffer<std::uint32_t>& images,
+                        const Buffer<std::uint32_t>& model, bool has_hand);
   /// Records a mask of the pixels that are more likely the hand than not. \pre record()
   void recordMasks(Recorder& recorder, const Buffer<std::uint32_t>& masks);
   /// Forgets the colours: any change may be the hand. \pre nothing recorded is still running
@@ -68,10 +72,12 @@ class Evidence {
   Kernel<EvidenceHistogramArgs> histogram_kernel_;
   Kernel<EvidenceTableArgs> table_kernel_;
   Kernel<EvidenceMaskArgs> mask_kernel_;
+  Kernel<BackgroundAdaptArgs> adapt_kernel_;
   Buffer<GpuCellBackground> background_;
   Buffer<float> gains_;
-  Buffer<GpuTileRegion> regions_;
-  Buffer<std::uint32_t> colours_, evidence_, counts_;
+  Buffer<GpuTileRegion> regions_, no_regions_;
+  Buffer<std::uint32_t> colours_, evidence_, counts_, candidates_;
+  std::uint32_t adapted_frames_ = 0;
   Buffer<float> sums_, histograms_, tables_;
 };
 
@@ -122,6 +128,13 @@ Vec3 cellColourReference(int width, std::span<const std::uint8_t> image, const V
 /// `sums`: two per tile, row by row, `columns` tiles per row.
 double lightReference(std::span<const float> sums, std::uint32_t columns, const GpuTileRegion& region, int x,
                       int y, double least_light = kFullShadow);
+
+/// A pixel's background and its candidate (silhouette_io.h, BackgroundAdaptArgs) after a visit. `seen`: the
+/// image's colour divided by the gains.
+struct AdaptedPixel {
+  std::uint32_t model = 0, candidate = 0;
+};
+AdaptedPixel adaptReference(const AdaptedPixel& before, const Vec3& seen);
 
 struct CellEvidence {
   double log_ratio = 0;  ///< clipped at kMaxEvidence

@@ -175,6 +175,25 @@ struct EvidenceTableArgs {
   uint camera;
 };
 
+// background_adapt: keeps the background up to date outside the region of the hand, in every kAdaptRows-th row
+// of cells per frame, from row `phase` on. A pixel that still shows its background follows it by one grey level
+// (sigma-delta estimation, Manzanera and Richefeu 2007); one that shows the same other colour kAdaptVisits
+// times in a row has a new background. One invocation per cell.
+const uint kAdaptRows = 16;
+const uint kAdaptVisits = 20;  // about 10 s at 30 Hz
+const uint kAdaptSame = 8;     // grey levels per channel
+
+struct BackgroundAdaptArgs {
+  ReadCameras cameras;
+  ReadUints images;
+  ReadFloats gains;
+  ReadTileRegions regions;  // not adapted
+  ReadWriteUints model;
+  ReadWriteUints candidates;  // per pixel: the other colour, and how many times it was seen, in the high byte
+  WriteCellBackgrounds cells;
+  uint phase;
+};
+
 // evidence_mask: the pixels of cells whose evidence is positive, as a mask. One invocation per word of a mask
 // and row of cells; pixels outside the region are not set.
 struct EvidenceMaskArgs {
