@@ -21,6 +21,7 @@ set(AIRCLAY_INTERNAL_HEADERS
   engine/gpu/shader_stage.h
   engine/render/renderer_parts.h
   engine/validation/bench_peers.h
+  engine/validation/compare_scene.h
   capture/images/quiet_opencv.h
   capture/images/video_index.h
   capture/takes/frame_matcher.h

@@ -104,6 +104,9 @@ GpuOutlinePose movedPose(const GpuOutlinePose& pose, const GpuOutlineFrame& fram
 /// The vertices' pixels in a camera; empty where the lens model does not cover them.
 std::vector<std::optional<Vec2>> projectReference(const Camera& camera, const Workspace& workspace,
                                                   const OutlineModel& model, const GpuOutlinePose& pose);
+/// The forearm's ends in pixels; its radius in z of the first.
+std::array<vec4, 2> forearmReference(const Camera& camera, const Workspace& workspace,
+                                     const GpuOutlineFrame& frame, const GpuOutlinePose& pose);
 /// The pixels whose centres are in a front-facing triangle.
 Silhouette maskReference(const Camera& camera, const OutlineModel& model,
                          const std::vector<std::optional<Vec2>>& pixels);
@@ -120,6 +123,7 @@ struct OutlineView {
   std::vector<std::optional<Vec2>> pixels;
   Silhouette mask;
   vec4 arm_from, arm_to;
+  Vec3 velocity = Vec3::Zero(), spin = Vec3::Zero();  ///< of the frame: m/s, rad/s
   // coarse
   std::span<const std::uint8_t> evidence;  ///< bytes of the camera's cells
   GpuTileRegion region;
@@ -129,14 +133,17 @@ struct OutlineView {
   Vec3 gain = Vec3::Ones();
 };
 
+/// As GpuOutlineLine.
 struct OutlineLine {
   Eigen::Matrix<double, 7, 1> row = Eigen::Matrix<double, 7, 1>::Zero();
-  double offset = 0, weight = 0, length = 0;
+  double offset = 0, weight = 0, length = 0, blur = 0;
 };
 OutlineLine coarseReference(const OutlineView& view, std::uint32_t edge, int reach, double spread);
 OutlineLine fineReference(const OutlineView& view, std::uint32_t edge);
-/// One step; the scale is fixed unless scale.weight > 0.
-GpuOutlinePose solveReference(const GpuOutlinePose& pose, std::span<const GpuOutlineLine> lines,
-                              const ScalePrior& scale);
+/// One step, and the sums before it; the scale is fixed unless scale.weight > 0. `lines`: of each camera.
+GpuOutlineFit solveReference(const GpuOutlinePose& pose, const std::vector<std::vector<GpuOutlineLine>>& lines,
+                             const ScalePrior& scale);
+/// Whether the images confirm the fit.
+bool judgeReference(const GpuOutlineFit& fit, std::size_t cameras);
 
 }  // namespace airclay

@@ -12,68 +12,21 @@
 #include "engine/hand/fit.h"
 #include "engine/hand/hand_model.h"
 #include "engine/hand/tracker.h"
-#include "engine/hull/carve.h"
 #include "engine/sculpt/contact.h"
 #include "engine/sculpt/grip.h"
 #include "engine/sculpt/relax.h"
 #include "engine/sculpt/symmetry.h"
-#include "engine/silhouette/silhouette.h"
-#include "engine/synthetic/demo_scene.h"
+#include "engine/validation/compare_scene.h"
 #include "shaders/hand/fit_choose.comp.h"
 
 namespace airclay {
 namespace {
 
 constexpr int kBackgroundFrames = 8;
-constexpr int kPressingFrame = 54;  // the hand is against the clay's side
-constexpr int kVoxels = 128;
+constexpr int kVoxels = kComparedVoxels;
 // The kernel subtracts squares of grey levels, up to 3 · 255², in single precision: scores closer to a level
 // than this may fall on either side.
 constexpr double kLevelTolerance = 1e-4;
-
-class Comparisons {
- public:
-  explicit Comparisons(std::string device) : device_(std::move(device)) {}
-  void add(const std::string& name, double error, double tolerance) {
-    list_.push_back({name, device_, error, tolerance, error <= tolerance});  // NaN does not pass
-  }
-  std::vector<KernelComparison> take() { return std::move(list_); }
-
- private:
-  std::string device_;
-  std::vector<KernelComparison> list_;
-};
-
-/// The maximum; NaN if either is NaN, so that it does not pass.
-double maxOrNan(double a, double b) {
-  return a >= b || std::isnan(a) ? a : b;
-}
-
-/// The demo's scene up to the masks of one frame.
-struct Scene {
-  explicit Scene(Gpu& device)
-      : gpu(device),
-        gpu_rig(gpu, rig),
-        cameras(gpu, gpu_rig),
-        silhouettes(gpu, gpu_rig),
-        carver(gpu, gpu_rig, kVoxels),
-        recorder(gpu) {}
-
-  std::vector<std::uint8_t> image(std::span<const std::uint32_t> images, std::size_t camera) const {
-    const GpuCamera& c = gpu_rig.camera(camera);
-    const auto* bytes = reinterpret_cast<const std::uint8_t*>(images.data() + c.image_words);
-    return {bytes, bytes + std::size_t(3) * c.width * c.height};
-  }
-
-  Gpu& gpu;
-  Rig rig = demoRig();
-  GpuRig gpu_rig;
-  DemoCameras cameras;
-  Silhouettes silhouettes;
-  Carver carver;
-  Recorder recorder;
-  std::vector<Silhouette> masks;  ///< of kPressingFrame
-};
 
 // --- silhouettes ---
 
@@ -81,12 +34,7 @@ BackgroundPixel backgroundPixel(std::uint32_t word) {
   return {Vec3(word & 255, word >> 8 & 255, word >> 16 & 255), kSpreadStep * (word >> 24)};
 }
 
-/// The difference between a stored and an exact value, beyond rounding to a whole step.
-double beyondRounding(double stored, double exact, double step) {
-  return std::max(0.0, std::abs(stored - exact) - 0.5 * step);
-}
-
-void compareBackground(Scene& scene, Comparisons& comparisons) {
+void compareBackground(CompareScene& scene, Comparisons& comparisons) {
   std::vector<std::vector<std::vector<std::uint8_t>>> empty(scene.gpu_rig.cameraCount());
   for (int frame = 0; frame < kBackgroundFrames; ++frame) {
     const Buffer<std::uint32_t>& images = scene.cameras.draw(frame);
@@ -144,7 +92,7 @@ std::size_t differentPixels(const Silhouette& a, const Silhouette& b) {
   return different;
 }
 
-void compareSilhouettes(Scene& scene, Comparisons& comparisons) {
+void compareSilhouettes(CompareScene& scene, Comparisons& comparisons) {
   const Buffer<std::uint32_t>& images = scene.cameras.draw(kPressingFrame);
   scene.recorder.begin();
   scene.silhouettes.record(scene.recorder, images);
@@ -172,7 +120,7 @@ void compareSilhouettes(Scene& scene, Comparisons& comparisons) {
 
 // --- voxel model ---
 
-VoxelGrid compareHull(Scene& scene, Comparisons& comparisons) {
+VoxelGrid compareHull(CompareScene& scene, Comparisons& comparisons) {
   scene.recorder.begin();
   scene.carver.record(scene.recorder, scene.silhouettes.masks());
   scene.recorder.submitAndWait();
@@ -216,7 +164,7 @@ struct FitDifference {
   double position_m = 0, rotation = 0;
 };
 
-FitDifference compareFits(Scene& scene, const DistanceField& field, const FieldGrid& grid, Fitter& fitter,
+FitDifference compareFits(CompareScene& scene, const DistanceField& field, const FieldGrid& grid, Fitter& fitter,
                           const FitLimits& limits) {
   const std::vector<float> metres = field.download(grid);
   const std::vector<double> distances(metres.begin(), metres.end());
@@ -239,7 +187,7 @@ FitDifference compareFits(Scene& scene, const DistanceField& field, const FieldG
 }
 
 /// Compares the choice among hypotheses, exactly: the first minimum, and whether it counts as tracked.
-void compareChoice(Scene& scene, Comparisons& comparisons) {
+void compareChoice(CompareScene& scene, Comparisons& comparisons) {
   std::size_t different = 0;
   const Kernel<FitChooseArgs> choose(scene.gpu, "fit_choose", fit_choose_comp);
   const Buffer<GpuFit> result(scene.gpu, 1);
@@ -271,7 +219,7 @@ void compareChoice(Scene& scene, Comparisons& comparisons) {
   comparisons.add("fit choice, wrong ones", double(different), 0);
 }
 
-void compareHand(Scene& scene, const VoxelGrid& hull, Comparisons& comparisons) {
+void compareHand(CompareScene& scene, const VoxelGrid& hull, Comparisons& comparisons) {
   Fitter fitter(scene.gpu, fitModel(builtInHand(false)));
   const FitModel& model = fitter.model();
   const Pose truth = *scene.cameras.pose(kPressingFrame);
@@ -376,7 +324,7 @@ ContactPoint doubleOf(const GpuContactPoint& point) {
 
 /// Moves the hand through fixed clay, frame by frame; each frame's check starts from the kernel's previous
 /// result.
-void compareContact(Scene& scene, Comparisons& comparisons) {
+void compareContact(CompareScene& scene, Comparisons& comparisons) {
   const HandModel hand = builtInHand(false);
   const FitModel model = fitModel(hand);
   const DistanceGrid grid = contactGrid(hand.skin);
@@ -423,7 +371,7 @@ void compareContact(Scene& scene, Comparisons& comparisons) {
 
 /// The tube with the pressing hand, and the inputs of the tools.
 struct ToolScene {
-  explicit ToolScene(Scene& scene)
+  explicit ToolScene(CompareScene& scene)
       : grid(contactGrid(builtInHand(false).skin)),
         subdivision(subdivide(cage, 2, SubdivisionRule::kCatmullClark)),
         data_points(scene.gpu, floats(dataPoints(subdivision.matrix, cage.points))),
@@ -432,7 +380,7 @@ struct ToolScene {
         hands(scene.gpu, 1, Memory::kHost) {
     moveHand(scene, kPressingFrame);
   }
-  void moveHand(const Scene& scene, int at_frame) {
+  void moveHand(const CompareScene& scene, int at_frame) {
     hands.host()[0] = gpuHandPose({*scene.cameras.pose(at_frame), {}},
                                   poseFrame(fitModel(builtInHand(false)), scene.rig.workspace));
   }
@@ -448,7 +396,7 @@ struct ToolScene {
 };
 
 /// Grips the clay at one pose and moves the hand to another.
-void compareGrip(Scene& scene, Comparisons& comparisons) {
+void compareGrip(CompareScene& scene, Comparisons& comparisons) {
   ToolScene tools(scene);
   const std::uint32_t mirrors = mirrorsOf({true, false, false});
   tools.frame.setMirrors(mirrors);
@@ -482,7 +430,7 @@ void compareGrip(Scene& scene, Comparisons& comparisons) {
   comparisons.add("pull, mm", caught > 0 ? 1000 * error_m : NAN, 0.01);
 }
 
-void compareRelax(Scene& scene, Comparisons& comparisons) {
+void compareRelax(CompareScene& scene, Comparisons& comparisons) {
   ToolScene tools(scene);
   const std::uint32_t mirrors = mirrorsOf({true, false, false});
   const std::vector<Vec3> normals = dataNormals(tools.subdivision.quads, tools.points);
@@ -506,7 +454,7 @@ void compareRelax(Scene& scene, Comparisons& comparisons) {
 }
 
 /// Restores the symmetry of a ball whose points were perturbed.
-void compareSymmetry(Scene& scene, Comparisons& comparisons) {
+void compareSymmetry(CompareScene& scene, Comparisons& comparisons) {
   PolygonMesh cage = presetCage("ball");
   const SymmetryOrbits orbits = symmetryOrbits(cage, {true, true, true});
   std::vector<double> exact;
@@ -536,11 +484,12 @@ void compareSymmetry(Scene& scene, Comparisons& comparisons) {
 
 std::vector<KernelComparison> compareKernels(Gpu& gpu) {
   Comparisons comparisons(gpu.info().name);
-  Scene scene(gpu);
+  CompareScene scene(gpu);
   compareBackground(scene, comparisons);
   compareSilhouettes(scene, comparisons);
   const VoxelGrid hull = compareHull(scene, comparisons);
   compareHand(scene, hull, comparisons);
+  compareOutline(scene, comparisons);
   compareSurface(gpu, SubdivisionRule::kCatmullClark, "catmull-clark", comparisons);
   compareSurface(gpu, SubdivisionRule::kPrinted, "printed", comparisons);
   compareSolve(gpu, comparisons);
