@@ -236,7 +236,7 @@ void compareFit(OutlineScene& s, Comparisons& comparisons) {
   const OutlineStep coarse(s, far);
   compareProjection(coarse, comparisons);
   // A line with little evidence divides by a small difference of two informations.
-  const LineErrors coarse_tolerance{0.02, 0.001, 1e-3, 1e-3};
+  const LineErrors coarse_tolerance{0.002, 2e-4, 1e-3, 1e-3};
   const LineErrors coarse_errors =
       compareLines(coarse, coarse_tolerance, [](const OutlineView& view, std::uint32_t edge) {
         return coarseReference(view, edge, kCoarse.reach, kCoarse.spread);
@@ -247,7 +247,7 @@ void compareFit(OutlineScene& s, Comparisons& comparisons) {
   s.fit(close, kFine, {});
   const OutlineStep fine(s, close);
   // Costs are differences of sums of squares up to 11 · 3 · 255², in single precision.
-  const LineErrors fine_tolerance{0.02, 0.05, 1e-3, 1e-3};
+  const LineErrors fine_tolerance{0.005, 0.02, 1e-3, 1e-3};
   const LineErrors fine_errors = compareLines(fine, fine_tolerance, fineReference);
   compareSolve(fine, {}, step_error, sum_error);
 
