@@ -12,7 +12,8 @@ namespace {
 std::optional<double> probabilityAt(const GpuCamera& camera, std::span<const std::uint32_t> blocks,
                                     const Vec2& pixel) {
   const auto [columns, rows] = tilesOf(camera);
-  const double x = std::floor((pixel.x() + 0.5) / kBlockPixels), y = std::floor((pixel.y() + 0.5) / kBlockPixels);
+  const double x = std::floor((pixel.x() + 0.5) / kBlockPixels),
+               y = std::floor((pixel.y() + 0.5) / kBlockPixels);
   if (!(x >= 0 && y >= 0 && x < 2 * columns && y < 2 * rows)) return std::nullopt;
   const auto u = std::uint32_t(x), v = std::uint32_t(y);
   const std::uint32_t word = blocks[firstTile(camera) + v / 2 * columns + u / 2];
@@ -91,8 +92,8 @@ double scoreReference(const GpuRig& rig, std::size_t camera_index, const Outline
   };
   const Vec3 center = inCamera(Vec3::Zero());
   if (center.z() <= kNearest) return -1;
-  const double blocks_per_cell = std::max(
-      1.0, std::floor(camera.lens.fx * kScoreCell / (center.z() * kBlockPixels) + 0.5));
+  const double blocks_per_cell =
+      std::max(1.0, std::floor(camera.lens.fx * kScoreCell / (center.z() * kBlockPixels) + 0.5));
   const double cell_pixels = blocks_per_cell * kBlockPixels;
   const auto cellAt = [&](const Vec2& pixel) {
     return Eigen::Vector2i(int(std::floor((pixel.x() + 0.5) / cell_pixels)),

@@ -141,8 +141,8 @@ struct OutlineLine {
 OutlineLine coarseReference(const OutlineView& view, std::uint32_t edge, int reach, double spread);
 OutlineLine fineReference(const OutlineView& view, std::uint32_t edge);
 /// One step, and the sums before it; the scale is fixed unless scale.weight > 0. `lines`: of each camera.
-GpuOutlineFit solveReference(const GpuOutlinePose& pose, const std::vector<std::vector<GpuOutlineLine>>& lines,
-                             const ScalePrior& scale);
+GpuOutlineFit solveReference(const GpuOutlinePose& pose,
+                             const std::vector<std::vector<GpuOutlineLine>>& lines, const ScalePrior& scale);
 /// Whether the images confirm the fit.
 bool judgeReference(const GpuOutlineFit& fit, std::size_t cameras);
 

@@ -176,8 +176,7 @@ std::vector<LinePixel> linePixels(const OutlineView& view, const Line& line, int
   }
   const double count = far - kFineNear + 1;
   const double square = std::max(background.squaredNorm(), 1 / (count * count));
-  const double light =
-      std::clamp(seen.dot(background) / square, double(kFullShadow), double(kMostLight));
+  const double light = std::clamp(seen.dot(background) / square, double(kFullShadow), double(kMostLight));
   const bool is_other = (seen - light * background).norm() > kFineOther;
   for (LinePixel& pixel : pixels) pixel.background = is_other ? seen : Vec3(light * pixel.background);
   return pixels;
@@ -251,8 +250,7 @@ Silhouette maskReference(const Camera& camera, const OutlineModel& model,
       for (int x = int(std::max(std::ceil(low.x()), 0.0)); x <= last_x; ++x) {
         bool is_inside = true;
         for (std::size_t k = 0; k < 3; ++k)
-          is_inside =
-              is_inside && cross(corners[(k + 1) % 3] - corners[k], Vec2(x, y) - corners[k]) <= 0;
+          is_inside = is_inside && cross(corners[(k + 1) % 3] - corners[k], Vec2(x, y) - corners[k]) <= 0;
         if (is_inside) mask.pixels[std::size_t(y * camera.width + x)] = 255;
       }
   }
@@ -351,8 +349,8 @@ OutlineLine fineReference(const OutlineView& view, std::uint32_t edge) {
   return result;
 }
 
-GpuOutlineFit solveReference(const GpuOutlinePose& pose, const std::vector<std::vector<GpuOutlineLine>>& lines,
-                             const ScalePrior& scale) {
+GpuOutlineFit solveReference(const GpuOutlinePose& pose,
+                             const std::vector<std::vector<GpuOutlineLine>>& lines, const ScalePrior& scale) {
   GpuOutlineFit fit{};
   Mat7 information = Mat7::Zero();
   Vec7 gradient = Vec7::Zero();
@@ -386,8 +384,10 @@ GpuOutlineFit solveReference(const GpuOutlinePose& pose, const std::vector<std::
   information(6, 6) += scale.weight;
   gradient[6] += scale.weight * (scale.log_scale - std::log(double(pose.scale)));
   Vec7 step = Vec7::Zero();
-  if (scale.weight > 0) step = information.ldlt().solve(gradient);
-  else step.head<6>() = information.topLeftCorner<6, 6>().ldlt().solve(gradient.head<6>());
+  if (scale.weight > 0)
+    step = information.ldlt().solve(gradient);
+  else
+    step.head<6>() = information.topLeftCorner<6, 6>().ldlt().solve(gradient.head<6>());
   const double shift = step.head<3>().norm(), turn = step.segment<3>(3).norm();
   step *= std::min({1.0, kOutlineMaxShift / std::max(shift, 1e-9), kOutlineMaxTurn / std::max(turn, 1e-9)});
   fit.pose = outlinePose(rotationFromVector(step.segment<3>(3)) * rotationOf(pose),

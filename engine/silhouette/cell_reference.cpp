@@ -100,9 +100,9 @@ std::vector<std::uint32_t> colourCountsReference(const ColourView& view) {
       const auto cell = std::size_t(y * columns + x);
       const int side = 2 * (2 * kInsideCells + 1);
       const bool is_hand = handPixels(view.mask, x, y, kInsideCells) == side * side;
-      const bool is_other = handPixels(view.mask, x, y, kOutsideCells) == 0 && view.evidence[cell] % 2 == 1 &&
-                            distanceToSegment(Vec2(2 * x + 0.5, 2 * y + 0.5), view.arm_from, view.arm_to) >
-                                view.arm_radius;
+      const bool is_other =
+          handPixels(view.mask, x, y, kOutsideCells) == 0 && view.evidence[cell] % 2 == 1 &&
+          distanceToSegment(Vec2(2 * x + 0.5, 2 * y + 0.5), view.arm_from, view.arm_to) > view.arm_radius;
       if (!is_hand && !is_other) continue;
       const std::size_t first = is_hand ? 0 : kColourCounts;
       ++counts[first + colourBin(unpackColour(view.colours[cell]))];

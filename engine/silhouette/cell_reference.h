@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The reference implementation of the kernels around the evidence (shaders/silhouette/evidence_io.h), in double
-// precision: background and sums of cells, masks, and colours that are learned.
+// The reference implementation of the kernels around the evidence (shaders/silhouette/evidence_io.h), in
+// double precision: background and sums of cells, masks, and colours that are learned.
 //
 // Spans start at a camera's first pixel, cell or tile.
 #pragma once
@@ -20,8 +20,8 @@ CellBackground cellBackgroundReference(int width, std::span<const std::uint32_t>
 Vec3 tileSumsReference(std::span<const std::uint32_t> colours, std::span<const GpuCellBackground> background,
                        std::uint32_t tile_columns, int tile_x, int tile_y);
 
-/// The increase of the residual of cell (x, y) by the texture that its tiles lack. `sums`: kTileSums per tile;
-/// `noise`: the cell's variance with the unexplained texture.
+/// The increase of the residual of cell (x, y) by the texture that its tiles lack. `sums`: kTileSums per
+/// tile; `noise`: the cell's variance with the unexplained texture.
 double textureReference(std::span<const float> sums, std::uint32_t tile_columns, const GpuTileRegion& region,
                         int x, int y, double noise, const EvidenceAssumptions& assumptions);
 

@@ -164,8 +164,8 @@ struct FitDifference {
   double position_m = 0, rotation = 0;
 };
 
-FitDifference compareFits(CompareScene& scene, const DistanceField& field, const FieldGrid& grid, Fitter& fitter,
-                          const FitLimits& limits) {
+FitDifference compareFits(CompareScene& scene, const DistanceField& field, const FieldGrid& grid,
+                          Fitter& fitter, const FitLimits& limits) {
   const std::vector<float> metres = field.download(grid);
   const std::vector<double> distances(metres.begin(), metres.end());
   const std::vector<GpuFit> starts =

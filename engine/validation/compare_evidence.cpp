@@ -27,8 +27,8 @@ std::vector<GpuTileRegion> handRegions(const OutlineScene& s) {
   std::vector<GpuTileRegion> regions;
   for (std::size_t c = 0; c < s.scene.gpu_rig.cameraCount(); ++c) {
     Eigen::AlignedBox2d box;
-    for (const auto& pixel : projectReference(s.scene.rig.cameras[c], s.scene.rig.workspace,
-                                              s.fitter.model(), s.truth))
+    for (const auto& pixel :
+         projectReference(s.scene.rig.cameras[c], s.scene.rig.workspace, s.fitter.model(), s.truth))
       if (pixel) box.extend(*pixel);
     regions.push_back(s.evidence.regionAround(c, box));
   }
@@ -37,9 +37,8 @@ std::vector<GpuTileRegion> handRegions(const OutlineScene& s) {
 
 void recordEvidence(OutlineScene& s, const std::vector<GpuTileRegion>& regions,
                     const EvidenceAssumptions& assumptions) {
-  submit(s, [&](Recorder& recorder) {
-    s.evidence.record(recorder, s.images, s.model, regions, assumptions);
-  });
+  submit(s,
+         [&](Recorder& recorder) { s.evidence.record(recorder, s.images, s.model, regions, assumptions); });
 }
 
 template <class Visit>
@@ -58,8 +57,8 @@ void compareCellBackground(OutlineScene& s, Comparisons& comparisons) {
     const GpuCamera& camera = s.scene.gpu_rig.camera(c);
     const int columns = int(kTileCells * tilesOf(camera)[0]);
     forEachCell(s.evidence.wholeImage(c), [&](int x, int y) {
-      const CellBackground expected = cellBackgroundReference(
-          int(camera.width), std::span(model).subspan(camera.pixels_before), x, y);
+      const CellBackground expected =
+          cellBackgroundReference(int(camera.width), std::span(model).subspan(camera.pixels_before), x, y);
       const GpuCellBackground& found = s.cells(cells, c)[std::size_t(y * columns + x)];
       for (int k = 0; k < 3; ++k)
         error = maxOrNan(error,
@@ -83,8 +82,7 @@ void compareColours(OutlineScene& s, Comparisons& comparisons) {
     const int width = int(camera.width), height = int(camera.height);
     const std::uint32_t columns = tilesOf(camera)[0];
     const Vec3 gain = Eigen::Map<const vec3>(&s.evidence.gains().host()[4 * c]).cast<double>();
-    const Vec3 expected =
-        gainReference(width, height, image, std::span(model).subspan(camera.pixels_before));
+    const Vec3 expected = gainReference(width, height, image, std::span(model).subspan(camera.pixels_before));
     gain_error = maxOrNan(gain_error, (gain - expected).cwiseAbs().maxCoeff());
     const auto own = s.cells(colours, c);
     forEachCell(s.evidence.wholeImage(c), [&](int x, int y) {
@@ -95,7 +93,8 @@ void compareColours(OutlineScene& s, Comparisons& comparisons) {
       if (x % int(kTileCells) != 0 || y % int(kTileCells) != 0) return;
       const int tile_x = x / int(kTileCells), tile_y = y / int(kTileCells);
       const Vec3 exact = tileSumsReference(own, s.cells(background, c), columns, tile_x, tile_y);
-      const float* tile = &sums[kTileSums * (firstTile(camera) + std::size_t(tile_y * int(columns) + tile_x))];
+      const float* tile =
+          &sums[kTileSums * (firstTile(camera) + std::size_t(tile_y * int(columns) + tile_x))];
       const Vec3 sum = Eigen::Map<const vec3>(tile).cast<double>();
       sum_error = maxOrNan(sum_error, (sum - exact).norm() / exact.norm());
     });
@@ -150,11 +149,16 @@ void compareLearning(OutlineScene& s, Comparisons& comparisons) {
       s.evidence.recordLearning(recorder, c, s.fitter.masks(), s.fitter.forearms(), kRate);
     });
     const std::vector<std::uint32_t> counts = s.evidence.counts().download();
-    const std::vector<float> after = s.evidence.histograms().download(), tables = s.evidence.tables().download();
+    const std::vector<float> after = s.evidence.histograms().download(),
+                             tables = s.evidence.tables().download();
     const vec4 from = s.fitter.forearms().host()[2 * c], to = s.fitter.forearms().host()[2 * c + 1];
-    ColourView view{s.evidence.regions().host()[c], s.cells(colours, c), s.evidenceBytes(evidence, c),
+    ColourView view{s.evidence.regions().host()[c],
+                    s.cells(colours, c),
+                    s.evidenceBytes(evidence, c),
                     masks[c],
-                    from.head<2>().cast<double>(), to.head<2>().cast<double>(), from[2]};
+                    from.head<2>().cast<double>(),
+                    to.head<2>().cast<double>(),
+                    from[2]};
     // cells at the forearm's border may count or not
     view.arm_radius += 1e-3;
     const std::vector<std::uint32_t> least = colourCountsReference(view);
@@ -164,10 +168,13 @@ void compareLearning(OutlineScene& s, Comparisons& comparisons) {
     for (std::size_t i = 0; i < counts.size(); ++i) different += counts[i] < least[i] || counts[i] > most[i];
     for (std::size_t h = 0; h < 2; ++h) {
       const std::size_t first = (2 * c + h) * kColourTable;
-      const auto own = [&](const std::vector<float>& all) { return std::span(all).subspan(first, kColourTable); };
+      const auto own = [&](const std::vector<float>& all) {
+        return std::span(all).subspan(first, kColourTable);
+      };
       const std::vector<double> expected =
           histogramReference(own(before), std::span(counts).subspan(h * kColourCounts), kRate);
-      const std::vector<double> table = colourTableReference(own(after), h == 0 ? kHandUniform : kOtherUniform);
+      const std::vector<double> table =
+          colourTableReference(own(after), h == 0 ? kHandUniform : kOtherUniform);
       for (std::size_t i = 0; i < kColourTable; ++i) {
         histogram_error = maxOrNan(histogram_error, std::abs(after[first + i] - expected[i]));
         table_error = maxOrNan(table_error, std::abs(tables[first + i] - table[i]) / table[i]);

@@ -110,7 +110,8 @@ struct OutlineStep {
 bool isAtSide(const OutlineModel& model, const std::vector<std::optional<Vec2>>& pixels, const Vec2& point) {
   for (const GpuTriangle& triangle : model.triangles)
     for (std::size_t k = 0; k < 3; ++k) {
-      const std::optional<Vec2>&from = pixels[triangle.corners[k]], &to = pixels[triangle.corners[(k + 1) % 3]];
+      const std::optional<Vec2>&from = pixels[triangle.corners[k]],
+            &to = pixels[triangle.corners[(k + 1) % 3]];
       if (!from || !to || (*to - *from).norm() == 0) continue;
       const Vec2 along = *to - *from;
       const double place = std::clamp((point - *from).dot(along) / along.squaredNorm(), 0.0, 1.0);
@@ -136,8 +137,9 @@ void compareProjection(const OutlineStep& step, Comparisons& comparisons) {
     const Silhouette mask = maskReference(camera, s.fitter.model(), view.pixels);
     for (std::size_t i = 0; i < mask.pixels.size(); ++i)
       if (mask.pixels[i] != view.mask.pixels[i])
-        mask_different += !isAtSide(s.fitter.model(), view.pixels,
-                                    Vec2(double(i % std::size_t(mask.width)), double(i / std::size_t(mask.width))));
+        mask_different +=
+            !isAtSide(s.fitter.model(), view.pixels,
+                      Vec2(double(i % std::size_t(mask.width)), double(i / std::size_t(mask.width))));
     const std::vector<std::uint32_t> list = listReference(s.fitter.model(), view.pixels);
     edges += list.size();
     edges_different += !std::ranges::equal(list, step.list(c));
@@ -268,8 +270,8 @@ void compareJudge(CompareScene& scene, Comparisons& comparisons) {
   const Buffer<GpuHandPose> hand(scene.gpu, kMaxHands);
   std::size_t different = 0, tracked = 0;
   // the outline that agrees, of 100 pixels per camera; one sees too little
-  const std::vector<std::array<float, 3>> agreements = {
-      {90, 80, 10}, {90, 49, 41}, {55, 55, 55}, {90, 90, 0}, {90, 90, 20}, {61, 61, 61}};
+  const std::vector<std::array<float, 3>> agreements = {{90, 80, 10}, {90, 49, 41}, {55, 55, 55},
+                                                        {90, 90, 0},  {90, 90, 20}, {61, 61, 61}};
   for (const auto& good : agreements) {
     GpuOutlineFit fit{};
     fit.pose = outlinePose(Mat3::Identity(), Vec3(1, 2, 3), 1);
@@ -357,7 +359,8 @@ double scoreError(OutlineScene& s, const std::vector<std::uint32_t>& blocks) {
       const double expected = score(Vec3::Zero());
       bool is_clear = true;  // no point of the skin at the border of a cell
       for (int k = 0; k < 8 && is_clear; ++k)
-        is_clear = std::abs(score(5e-7 * Vec3(k % 2 * 2 - 1, k / 2 % 2 * 2 - 1, k / 4 * 2 - 1)) - expected) < 1e-9;
+        is_clear =
+            std::abs(score(5e-7 * Vec3(k % 2 * 2 - 1, k / 2 % 2 * 2 - 1, k / 4 * 2 - 1)) - expected) < 1e-9;
       if (!is_clear) continue;
       ++compared;
       error = maxOrNan(error, std::abs(s.search.cameraScores().host()[i * cameras + c] - expected));
