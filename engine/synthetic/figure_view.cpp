@@ -6,6 +6,12 @@
 #include <limits>
 
 namespace airclay {
+namespace {
+
+/// Triangles of more columns find the columns inside them row by row.
+constexpr int kWide = 8;
+
+}  // namespace
 
 FigureColors::FigureColors(const RoomOptions& options)
     : noise_(options.seed + 300), skin_(linearFromSrgb(options.skin)) {
@@ -45,6 +51,8 @@ FigureView::FigureView(const Camera& camera, const FigureMesh& mesh, const Figur
   depth_m_.assign(count, std::numeric_limits<float>::infinity());
   triangle_.assign(count, 0);
   light_.assign(count, Vec3f::Zero());
+  shaded_ = light_;
+  shaded_material_.assign(count, Material::kHandSkin);
   figure_samples_.assign(count, 0);
   hand_samples_.assign(count, 0);
 }
@@ -55,12 +63,15 @@ void FigureView::begin(const std::vector<Vec3f>& light) {
     std::fill(light_.begin() + row + left_, light_.begin() + row + right_, Vec3f::Zero());
     std::fill(figure_samples_.begin() + row + left_, figure_samples_.begin() + row + right_, 0);
     std::fill(hand_samples_.begin() + row + left_, hand_samples_.begin() + row + right_, 0);
+    std::fill(shaded_material_.begin() + row + left_, shaded_material_.begin() + row + right_,
+              Material::kHandSkin);
   }
   left_ = camera_.width;
   top_ = camera_.height;
   right_ = bottom_ = 0;
   vertex_light_ = light;
   facing_.clear();
+  sample_ = 0;
 }
 
 void FigureView::project(const BonePoses& poses) {
@@ -117,7 +128,22 @@ void FigureView::drawTriangle(std::uint32_t index, const Vec2& offset, const std
   for (int y = y0; y < y1; ++y) {
     const float py = static_cast<float>(y) + oy - a.y;
     const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width);
-    for (int x = x0; x < x1; ++x) {
+    int from = x0, to = x1;
+    if (x1 - x0 > kWide) {
+      // where u, v and 1 - u - v are positive; one pixel more, against rounding
+      float low = static_cast<float>(x0), high = static_cast<float>(x1 - 1);
+      const auto limit = [&, to_x = a.x - ox](float at_zero, float slope) {
+        if (slope > 0) low = std::max(low, to_x - at_zero / slope - 1);
+        if (slope < 0) high = std::min(high, to_x - at_zero / slope + 1);
+      };
+      limit(py * u_y, u_x);
+      limit(py * v_y, v_x);
+      limit(1 - py * (u_y + v_y), -u_x - v_x);
+      if (low > high) continue;
+      from = static_cast<int>(low);
+      to = static_cast<int>(high) + 1;
+    }
+    for (int x = from; x < to; ++x) {
       const float px = static_cast<float>(x) + ox - a.x;
       const float u = px * u_x + py * u_y, v = px * v_x + py * v_y;
       if (u < 0 || v < 0 || u + v > 1) continue;
@@ -131,28 +157,38 @@ void FigureView::drawTriangle(std::uint32_t index, const Vec2& offset, const std
 }
 
 void FigureView::shade(const Vec2& offset) {
+  // The hand needs every sample; elsewhere, samples within a pixel look alike.
+  const bool shades_all = sample_++ % 4 == 0;
   for (int y = top_; y < bottom_; ++y)
     for (int x = left_; x < right_; ++x) {
       const std::size_t i =
           static_cast<std::size_t>(y) * static_cast<std::size_t>(camera_.width) + static_cast<std::size_t>(x);
       if (triangle_[i] == 0) continue;
       const std::uint32_t index = triangle_[i] - 1;
-      const auto& corners = mesh_.triangles[index];
-      const ScreenVertex &a = screen_[corners[0]], &b = screen_[corners[1]], &c = screen_[corners[2]];
-      const float px = static_cast<float>(x + offset.x()), py = static_cast<float>(y + offset.y());
-      const float inverse = 1 / ((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x));
-      const float u = ((px - a.x) * (c.y - a.y) - (py - a.y) * (c.x - a.x)) * inverse;
-      const float v = ((b.x - a.x) * (py - a.y) - (b.y - a.y) * (px - a.x)) * inverse;
-      const auto blend = [&](const std::vector<Vec3f>& of) -> Vec3f {
-        return (1 - u - v) * of[corners[0]] + u * of[corners[1]] + v * of[corners[2]];
-      };
       const Material material = mesh_.materials[index];
-      light_[i] += blend(vertex_light_).cwiseProduct(colors_.albedo(material, blend(mesh_.texture)));
+      const bool is_hand = material == Material::kHandSkin;
+      if (shades_all || is_hand || material != shaded_material_[i]) {
+        shaded_[i] = lightAt(index, static_cast<float>(x + offset.x()), static_cast<float>(y + offset.y()));
+        shaded_material_[i] = material;
+      }
+      light_[i] += shaded_[i];
       ++figure_samples_[i];
-      hand_samples_[i] = static_cast<std::uint8_t>(hand_samples_[i] + (material == Material::kHandSkin));
+      hand_samples_[i] = static_cast<std::uint8_t>(hand_samples_[i] + is_hand);
       triangle_[i] = 0;
       depth_m_[i] = std::numeric_limits<float>::infinity();
     }
+}
+
+Vec3f FigureView::lightAt(std::uint32_t index, float x, float y) const {
+  const auto& corners = mesh_.triangles[index];
+  const ScreenVertex &a = screen_[corners[0]], &b = screen_[corners[1]], &c = screen_[corners[2]];
+  const float inverse = 1 / ((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x));
+  const float u = ((x - a.x) * (c.y - a.y) - (y - a.y) * (c.x - a.x)) * inverse;
+  const float v = ((b.x - a.x) * (y - a.y) - (b.y - a.y) * (x - a.x)) * inverse;
+  const auto blend = [&](const std::vector<Vec3f>& of) -> Vec3f {
+    return (1 - u - v) * of[corners[0]] + u * of[corners[1]] + v * of[corners[2]];
+  };
+  return blend(vertex_light_).cwiseProduct(colors_.albedo(mesh_.materials[index], blend(mesh_.texture)));
 }
 
 void FigureView::addSample(const BonePoses& poses, const Vec2& offset, const std::vector<float>& depth_m) {

@@ -52,6 +52,8 @@ class FigureView {
   void chooseFacing();
   void drawTriangle(std::uint32_t index, const Vec2& offset, const std::vector<float>& limit_m);
   void shade(const Vec2& offset);
+  /// The light of a triangle at a place in the image.
+  Vec3f lightAt(std::uint32_t triangle, float x, float y) const;
 
   Camera camera_;
   const FigureMesh& mesh_;
@@ -64,6 +66,9 @@ class FigureView {
   std::vector<float> depth_m_;
   std::vector<std::uint32_t> triangle_;  ///< 1-based; 0: none
   std::vector<Vec3f> light_;
+  std::vector<Vec3f> shaded_;              ///< the last sample's light
+  std::vector<Material> shaded_material_;  ///< and its material; kHandSkin: none to use again
+  int sample_ = 0;                         ///< of this image
   std::vector<std::uint8_t> figure_samples_, hand_samples_;
   int left_ = 0, right_ = 0, top_ = 0, bottom_ = 0;  ///< of all samples
 };

@@ -9,7 +9,8 @@ Vec3f linearFromSrgb(const Vec3& srgb) {
   return srgb.array().max(0).pow(kEncodingGamma).matrix().cast<float>();
 }
 
-NoiseVolume::NoiseVolume(std::uint32_t seed) : values_(static_cast<std::size_t>(kSide * kSide * kSide), 0.f) {
+NoiseVolume::NoiseVolume(std::uint32_t seed) {
+  std::vector<float> values(static_cast<std::size_t>(kSide * kSide * kSide), 0.f);
   Random random(seed);
   float total = 0;
   for (int cells = 4, octave = 0; octave < 4; ++octave, cells *= 2) {
@@ -36,10 +37,10 @@ NoiseVolume::NoiseVolume(std::uint32_t seed) : values_(static_cast<std::size_t>(
             const int dx = corner & 1, dy = corner >> 1 & 1, dz = corner >> 2;
             sum += (dx ? a : 1 - a) * (dy ? b : 1 - b) * (dz ? c : 1 - c) * value(cx + dx, cy + dy, cz + dz);
           }
-          values_[i++] += height * sum;
+          values[i++] += height * sum;
         }
   }
-  for (float& value : values_) value /= total;
+  for (const float value : values) values_.push_back(static_cast<std::uint8_t>(255 * value / total + 0.5f));
 }
 
 float NoiseVolume::nearest(const Vec3f& cells) const {

@@ -50,10 +50,11 @@ class NoiseVolume {
  private:
   static constexpr int kSide = 64;
   float at(int x, int y, int z) const {
-    return values_[static_cast<std::size_t>(((z & (kSide - 1)) * kSide + (y & (kSide - 1))) * kSide +
-                                            (x & (kSide - 1)))];
+    constexpr int kMask = kSide - 1;
+    const int i = ((z & kMask) * kSide + (y & kMask)) * kSide + (x & kMask);
+    return (1 / 255.f) * static_cast<float>(values_[static_cast<std::size_t>(i)]);
   }
-  std::vector<float> values_;
+  std::vector<std::uint8_t> values_;  ///< of 255: a quarter of a float's memory, which stays in the cache
 };
 
 }  // namespace airclay
