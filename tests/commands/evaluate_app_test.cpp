@@ -35,9 +35,12 @@ struct TrueTake {
   std::string out() const { return (folder / "out").string(); }
 };
 
-json evaluated(const std::vector<std::string>& takes, const std::string& out) {
+/// `options`: of the fit, for example.
+json evaluated(const std::vector<std::string>& takes, const std::string& out,
+               const std::vector<std::string>& options = {}) {
   std::vector<std::string> arguments = {"evaluate", "--json", "--voxels", "64", "--out", out};
   arguments.insert(arguments.begin() + 1, takes.begin(), takes.end());
+  arguments.insert(arguments.end(), options.begin(), options.end());
   const RunResult result = runAirclay(arguments);
   EXPECT_EQ(result.status, 0) << result.errors;
   EXPECT_EQ(result.errors, "");
@@ -81,14 +84,16 @@ TEST(EvaluateApp, ReportsTheErrorsOfTheTrackedPoses) {
 
 TEST(EvaluateApp, DenseTruthReplacesTheFramesTruth) {
   const TrueTake take;
-  const json before = evaluated({take.path()}, take.out());
+  // the published fit never calls a pose uncertain
+  const std::vector<std::string> paper = {"--fit", "paper", "--silhouettes", "paper"};
+  const json before = evaluated({take.path()}, take.out(), paper);
   std::vector<TimedPose> shifted = take.truth;
   // One more pose at each end, so that every frame is between two.
   shifted.insert(shifted.begin(), {shifted.front().time_s - 1 / 30.0, shifted.front().world_from_hand});
   shifted.push_back({shifted.back().time_s + 1 / 30.0, shifted.back().world_from_hand});
   for (TimedPose& pose : shifted) pose.world_from_hand.pretranslate(Vec3(0, 0, 0.1));
   writePoses(take.folder / "desk/truth_dense.tum", shifted);
-  const json after = evaluated({take.path(), take.path()}, take.out())["takes"];
+  const json after = evaluated({take.path(), take.path()}, take.out(), paper)["takes"];
   ASSERT_EQ(after.size(), 2u);
   EXPECT_EQ(after[0]["name"], "desk");
   EXPECT_EQ(after[1]["name"], "desk-2");
