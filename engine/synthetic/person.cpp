@@ -332,7 +332,7 @@ BonePoses Person::poses(const Pose& room_from_wrist, double time_s) const {
   at(Bone::kTorso) = frameAt(kHip, neck - kHip, Vec3::UnitY());
   const Vec3 up = Vec3(0, 0.25, 1) + 0.5 * (neck - kHip).normalized();
   at(Bone::kHead) = frameAt(neck, up, Vec3::UnitY());
-  // The second person walks to and fro next to the desk and looks at it.
+  // The second person walks back and forth next to the desk and looks at it.
   const Vec3 hip(-1.2, 0.1 + 0.25 * std::sin(1.7 * time_s), -0.35), ahead = Vec3::UnitX();
   const Vec3 spine = Vec3(0.15, 0.05 * std::sin(3.4 * time_s), 1).normalized();
   at(Bone::kSecondTorso) = frameAt(hip, spine, ahead);

@@ -92,6 +92,45 @@ struct CameraParts {
   FigureView figure;
   Drift drift;
   bool shows_figure = false;  ///< in the last image
+
+  /// Linear light: of the figure in front of the room.
+  Vec3f lightAt(int x, int y, std::size_t i, const std::optional<DeskShadow>& shadow, float daylight) const {
+    Eigen::Vector2f reaches(1, daylight);
+    if (shadow && !std::isnan(view->desk[i].x())) reaches = reaches.cwiseProduct(shadow->at(view->desk[i]));
+    const Vec3f room = reaches.x() * view->ambient[i] + reaches.y() * view->window[i];
+    const bool is_inside =
+        shows_figure && x >= figure.left() && x < figure.right() && y >= figure.top() && y < figure.bottom();
+    const int shown = is_inside ? figure.figureSamples()[i] : 0;
+    if (shown == 0) return room;
+    return (1.f / kSamples) * (figure.light()[i] + static_cast<float>(kSamples - shown) * room);
+  }
+  /// The lens darkens the corners by 30 %.
+  float vignette(int x, int y) const {
+    const auto width = static_cast<float>(camera.width), height = static_cast<float>(camera.height);
+    const float dx = static_cast<float>(x) - 0.5f * width, dy = static_cast<float>(y) - 0.5f * height;
+    return 1 - 0.3f * (dx * dx + dy * dy) * 4 / (width * width + height * height);
+  }
+};
+
+/// What a camera's electronics make of an image value: gain, noise whose variance grows with the value, a
+/// byte.
+class Sensitivity {
+ public:
+  Sensitivity(const RoomOptions& options, const Vec3& gain)
+      : gain_(gain.cast<float>()),
+        dark_(static_cast<float>(std::pow(options.noise_dark, 2))),
+        per_value_((static_cast<float>(std::pow(options.noise_bright, 2)) - dark_) / 255) {}
+
+  /// `encoded`: from 0 to 255; `normal`: a normally distributed number.
+  std::uint8_t value(float encoded, int channel, float normal) const {
+    const float value = encoded * gain_[channel];
+    const float noisy = value + std::sqrt(std::max(dark_ + per_value_ * value, 0.f)) * normal;
+    return static_cast<std::uint8_t>(std::clamp(noisy + 0.5f, 0.f, 255.f));
+  }
+
+ private:
+  Vec3f gain_;
+  float dark_, per_value_;
 };
 
 RoomPath pathOf(const RoomOptions& options) {
@@ -198,6 +237,7 @@ struct Room::Parts {
   }
   std::vector<Vec3f> vertexLight(const BonePoses& poses, double daylight) const;
   void drawFigure(CameraParts& camera, double time_s, double daylight);
+  DeskShadow shadowOf(const BonePoses& poses) const;
 };
 
 Room::Room(const HandModel& hand, const RoomOptions& options)
@@ -280,59 +320,40 @@ void Room::Parts::drawFigure(CameraParts& camera, double time_s, double daylight
   }
 }
 
+DeskShadow Room::Parts::shadowOf(const BonePoses& poses) const {
+  DeskShadow shadow;
+  for (const ShadowBall& ball : person.shadowBalls())
+    shadow.add(poses[static_cast<std::size_t>(ball.bone)] * ball.center, ball.radius_m, scene.toWindow());
+  return shadow;
+}
+
 void Room::render(std::size_t index, int frame, std::span<std::uint8_t> bgr) {
   Parts& parts = *parts_;
   CameraParts& camera = parts.cameras[index];
-  const RoomOptions& options = parts.options;
-  const int width = options.rig.cameras[index].width, height = options.rig.cameras[index].height;
   const double time_s = cameraTimesOf(frame)[index], daylight = daylightAt(time_s);
   if (!camera.view) camera.view = parts.scene.view(camera.camera);
-  const RoomView& view = *camera.view;
   const std::optional<Pose> room_from_wrist = parts.roomFromWrist(time_s);
   camera.shows_figure = room_from_wrist.has_value();
-  DeskShadow shadow;
+  std::optional<DeskShadow> shadow;
   if (room_from_wrist) {
     parts.drawFigure(camera, time_s, daylight);
-    if (options.has_shadows) {
-      const BonePoses poses = parts.person.poses(*room_from_wrist, time_s);
-      for (const ShadowBall& ball : parts.person.shadowBalls())
-        shadow.add(poses[static_cast<std::size_t>(ball.bone)] * ball.center, ball.radius_m,
-                   parts.scene.toWindow());
-    }
+    if (parts.options.has_shadows) shadow = parts.shadowOf(parts.person.poses(*room_from_wrist, time_s));
   }
-  const Vec3f gain = gainAt(index, time_s).cast<float>();
-  const auto dark = static_cast<float>(options.noise_dark * options.noise_dark);
-  const auto per_value = static_cast<float>(
-      (options.noise_bright * options.noise_bright - options.noise_dark * options.noise_dark) / 255);
+  const Sensitivity sensitivity(parts.options, gainAt(index, time_s));
   const std::uint64_t key =
-      mixed((std::uint64_t(options.seed) << 40) ^ (std::uint64_t(index) << 32) ^ std::uint64_t(frame));
-  const float corner = 4.f / static_cast<float>(width * width + height * height);
-  const FigureView& figure = camera.figure;
+      mixed((std::uint64_t(parts.options.seed) << 40) ^ (std::uint64_t(index) << 32) ^ std::uint64_t(frame));
+  const int width = camera.camera.width, height = camera.camera.height;
+  std::size_t i = 0;
   for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      const std::size_t i =
-          static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
-      Eigen::Vector2f light(1, static_cast<float>(daylight));
-      if (room_from_wrist && !std::isnan(view.desk[i].x())) {
-        const Eigen::Vector2f reaches = shadow.at(view.desk[i]);
-        light = light.cwiseProduct(reaches);
-      }
-      Vec3f linear = light.x() * view.ambient[i] + light.y() * view.window[i];
-      if (camera.shows_figure && x >= figure.left() && x < figure.right() && y >= figure.top() &&
-          y < figure.bottom())
-        if (const int shown = figure.figureSamples()[i])
-          linear = (1.f / kSamples) * (figure.light()[i] + static_cast<float>(kSamples - shown) * linear);
-      const float dx = static_cast<float>(x) - 0.5f * static_cast<float>(width),
-                  dy = static_cast<float>(y) - 0.5f * static_cast<float>(height);
-      linear *= 1 - 0.3f * (dx * dx + dy * dy) * corner;  // the lens's vignette
+    for (int x = 0; x < width; ++x, ++i) {
+      const Vec3f linear =
+          camera.vignette(x, y) * camera.lightAt(x, y, i, shadow, static_cast<float>(daylight));
       std::uint64_t chance = mixed(key + i);
-      for (int channel = 2; channel >= 0; --channel) {  // blue first
-        const float value = parts.encode(linear[channel]) * gain[channel];
-        const float sigma = std::sqrt(dark + per_value * value);
-        const float noisy = value + sigma * parts.normal[chance & (parts.normal.size() - 1)];
+      for (const int channel : {2, 1, 0}) {  // blue first
+        const float normal = parts.normal[chance & (parts.normal.size() - 1)];
         chance >>= 12;
         bgr[3 * i + static_cast<std::size_t>(2 - channel)] =
-            static_cast<std::uint8_t>(std::clamp(noisy + 0.5f, 0.f, 255.f));
+            sensitivity.value(parts.encode(linear[channel]), channel, normal);
       }
     }
 }
