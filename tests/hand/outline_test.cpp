@@ -109,7 +109,7 @@ TEST(Outline, CamerasWithTimesOfTheirOwnAgreeOnOnePose) {
   HandCameras cameras;
   OutlineFit outline(cameras.rig());
   const Pose truth = *demoScript().at(2.1);
-  const Vec3 velocity(0.8, -0.6, 0.3), spin(2, -1, 3);  // m/s, rad/s
+  const Vec3 velocity(1.2, -0.9, 0.5), spin(3, -2, 4);  // m/s, rad/s
   const double seconds[] = {-0.012, 0.009, 0.006, -0.003};  // mean 0
   const Vec3 center = truth * outline.fitter.model().center_of_mass;
   std::vector<Silhouette> masks;
@@ -182,8 +182,15 @@ struct MaskTracking {
   StageTimes stage_ms;
 };
 
+/// The hand with an arm that leaves the workspace in any direction, as a person's does.
+std::vector<TriangleMesh> longArm() {
+  TriangleMesh forearm = builtInForearm(false);
+  for (Vec3& vertex : forearm.vertices) vertex.x() *= 2;  // from the wrist joint
+  return {builtInHand(false).skin, forearm};
+}
+
 TEST(HandSearch, FindsTheHandInAnyOrientation) {
-  HandCameras cameras;
+  HandCameras cameras(demoRig(), longArm());
   MaskTracking tracking(cameras.rig());
   const Vec3 center_of_mass = tracking.tracker.fitter().model().center_of_mass;
   std::mt19937 random(23);
@@ -206,15 +213,14 @@ TEST(HandSearch, FindsTheHandInAnyOrientation) {
       if (!fit || !fit->tracked || fit->uncertain) continue;
       const PoseError error = poseError(fit->pose.world_from_hand, truth, center_of_mass);
       const bool is_right = error.shift_m < 0.010 && error.turn_degrees < 10;
+      EXPECT_TRUE(is_right) << "pose " << i << ": " << 1000 * error.shift_m << " mm, " << error.turn_degrees
+                            << " degrees, agreement " << fit->agreement;
       found += is_right;
-      if (!is_right)
-        std::cout << "pose " << i << ": " << 1000 * error.shift_m << " mm, " << error.turn_degrees
-                  << " degrees, agreement " << fit->agreement << "\n";
       break;
     }
   }
   std::cout << found << " of " << kPoses << " poses found in " << attempts << " attempts\n";
-  EXPECT_GE(found, 19);
+  EXPECT_GE(found, 18);
 }
 
 TEST(HandSearch, EmptyImagesContainNoHand) {
@@ -228,13 +234,10 @@ TEST(HandSearch, EmptyImagesContainNoHand) {
 TEST(HandSearch, ABallIsNotAHand) {
   const GpuRig rig(testGpu(), demoRig());
   MaskTracking tracking(rig);
-  for (const double radius_m : {0.06, 0.09}) {
-    SCOPED_TRACE(radius_m);
-    const std::vector<Silhouette> masks = sphereMasks(rig.rig(), Vec3(0.02, -0.03, 0.01), radius_m);
-    for (int attempt = 0; attempt < 3; ++attempt) {
-      const std::optional<HandFit> fit = tracking.find(masks);
-      EXPECT_FALSE(fit && fit->tracked && !fit->uncertain) << "agreement " << (fit ? fit->agreement : 0);
-    }
+  const std::vector<Silhouette> masks = sphereMasks(rig.rig(), Vec3(0.02, -0.03, 0.01), 0.08);
+  for (int attempt = 0; attempt < 3; ++attempt) {
+    const std::optional<HandFit> fit = tracking.find(masks);
+    EXPECT_FALSE(fit && fit->tracked && !fit->uncertain) << "agreement " << (fit ? fit->agreement : 0);
   }
 }
 
