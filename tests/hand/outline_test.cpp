@@ -11,8 +11,7 @@
 namespace airclay {
 namespace {
 
-constexpr OutlineStage kCatch[] = {
-    {2, false, 40, 20}, {2, false, 20, 8}, {2, false, 10, 4}, {3, true, 0, 0}};
+constexpr OutlineStage kCatch[] = {{2, false, 40, 20}, {2, false, 20, 8}, {2, false, 10, 4}, {3, true, 0, 0}};
 
 /// Masks as images, and what fits a hand to them.
 struct OutlineFit {
@@ -109,7 +108,7 @@ TEST(Outline, CamerasWithTimesOfTheirOwnAgreeOnOnePose) {
   HandCameras cameras;
   OutlineFit outline(cameras.rig());
   const Pose truth = *demoScript().at(2.1);
-  const Vec3 velocity(1.2, -0.9, 0.5), spin(3, -2, 4);  // m/s, rad/s
+  const Vec3 velocity(1.2, -0.9, 0.5), spin(3, -2, 4);      // m/s, rad/s
   const double seconds[] = {-0.012, 0.009, 0.006, -0.003};  // mean 0
   const Vec3 center = truth * outline.fitter.model().center_of_mass;
   std::vector<Silhouette> masks;
@@ -203,8 +202,7 @@ TEST(HandSearch, FindsTheHandInAnyOrientation) {
     truth.linear() = Eigen::Quaterniond(normal(random), normal(random), normal(random), normal(random))
                          .normalized()
                          .toRotationMatrix();
-    truth.translation() =
-        Vec3(place(random), place(random), place(random)) - truth.linear() * center_of_mass;
+    truth.translation() = Vec3(place(random), place(random), place(random)) - truth.linear() * center_of_mass;
     const std::vector<Silhouette> masks = cameras.masks(truth);
     tracking.tracker.forget();
     for (int attempt = 0; attempt < kAttempts; ++attempt) {

@@ -191,9 +191,8 @@ TEST(Evidence, LearningTellsTheHandFromTheBackgroundAndFromOtherThings) {
         if (hand.contains(x, y)) masks.back().pixels[std::size_t(y * camera.width + x)] = 255;
   }
   wall.rig.pack(masks, wall.masks.host());
-  wall.submit([&](Recorder& recorder) {
-    wall.evidence.recordLearning(recorder, 0, wall.masks, wall.forearms, 1);
-  });
+  wall.submit(
+      [&](Recorder& recorder) { wall.evidence.recordLearning(recorder, 0, wall.masks, wall.forearms, 1); });
   wall.update();
   EXPECT_GT(wall.evidenceIn(hand).mean, hand_before.mean + 1);
   EXPECT_LT(wall.evidenceIn(other).most, -1);
