@@ -389,7 +389,7 @@ void Pipeline::hullFromSilhouettes(const std::vector<Silhouette>& masks, const F
 
 void Pipeline::resetTracking() {
   parts_->tracker.forget();
-  if (parts_->robust) parts_->robust->forget();
+  if (parts_->robust) parts_->robust->reset();
   if (parts_->sculptor) parts_->sculptor->forget();
 }
 

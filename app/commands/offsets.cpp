@@ -9,6 +9,7 @@
 #include "app/session/clock_sync.h"
 #include "app/session/take_options.h"
 #include "engine/core/error.h"
+#include "engine/hull/carve.h"
 
 namespace airclay {
 namespace {
@@ -24,8 +25,7 @@ void runOffsets(const OffsetsOptions& options) {
   checkVoxels(options.voxels);
   Take take = options.take.open();
   CommandGpu gpu(options);
-  const ClockOffsets found =
-      offsetsFromMotion(gpu, take, {.voxels = options.voxels}, options.printsMessages());
+  const ClockOffsets found = offsetsFromMotion(gpu, take, options.voxels, options.printsMessages());
   nlohmann::ordered_json cameras = nlohmann::ordered_json::array();
   std::vector<std::vector<std::string>> rows = {{"camera", "offset", "standard error"}};
   std::string offsets;

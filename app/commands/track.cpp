@@ -30,12 +30,10 @@ void runTrack(const TrackOptions& options) {
   const HandModel hand = loadHand(options.hand);
   CommandGpu gpu(options);
   if (options.sync == "auto") {
-    const ClockOffsets clocks =
-        offsetsFromMotion(gpu, take, options.fit.pipeline(options.voxels), options.printsMessages());
+    const ClockOffsets clocks = offsetsFromMotion(gpu, take, options.voxels, options.printsMessages());
     TakeInputOptions corrected = options.take;
     for (std::size_t k = 1; k < clocks.offset_s.size(); ++k) {
-      const std::string offset =
-          take.rig().cameras[k].name + "=" + std::to_string(1000 * clocks.offset_s[k]);
+      const std::string offset = take.rig().cameras[k].name + "=" + std::to_string(1000 * clocks.offset_s[k]);
       corrected.offsets.push_back(offset);
       printLine(options, "--offset " + offset);
     }
@@ -81,10 +79,11 @@ void addTrack(CLI::App& program, int&) {
       ->check(CLI::IsMember({"auto", "off"}).description(""))
       ->type_name("auto|off");
   command
-      ->add_option("--debug", options->debug,
-                   "output folder for contact sheets, one per frame, and their video: each camera's image with "
-                   "the silhouette (yellow) and the fitted hand (green tracked, orange uncertain, red lost), "
-                   "next to the probability of the hand")
+      ->add_option(
+          "--debug", options->debug,
+          "output folder for contact sheets, one per frame, and their video: each camera's image with "
+          "the silhouette (yellow) and the fitted hand (green tracked, orange uncertain, red lost), "
+          "next to the probability of the hand")
       ->type_name("DIR");
   addCommonOptions(*command, *options, Uses::kDeviceAndVoxels, true);
   command->footer("Example:\n  airclay track TAKE --poses hand.tum --json");

@@ -25,8 +25,9 @@ std::optional<Vec2> centroidOf(const Silhouette& mask) {
 }
 
 /// The motion that each camera saw, on its own clock.
-std::vector<MotionSeries> motionIn(Gpu& gpu, Take& take, const PipelineOptions& options, bool shows_progress) {
-  Pipeline pipeline(gpu, take.rig(), builtInHand(false), options);
+std::vector<MotionSeries> motionIn(Gpu& gpu, Take& take, int voxels, bool shows_progress) {
+  Pipeline pipeline(gpu, take.rig(), builtInHand(false),
+                    {voxels, SilhouetteMethod::kPaper, FitMethod::kPaper});
   Player player(take, pipeline);
   std::vector<MotionSeries> series(take.rig().cameras.size());
   Progress progress("tracking the hand", take.frameCount(), shows_progress);
@@ -49,8 +50,8 @@ std::vector<MotionSeries> motionIn(Gpu& gpu, Take& take, const PipelineOptions& 
 
 }  // namespace
 
-ClockOffsets offsetsFromMotion(Gpu& gpu, Take& take, const PipelineOptions& options, bool shows_progress) {
-  return estimateClockOffsets(take.rig(), motionIn(gpu, take, options, shows_progress));
+ClockOffsets offsetsFromMotion(Gpu& gpu, Take& take, int voxels, bool shows_progress) {
+  return estimateClockOffsets(take.rig(), motionIn(gpu, take, voxels, shows_progress));
 }
 
 }  // namespace airclay

@@ -4,11 +4,11 @@
 
 #include "capture/cameras/clock_offsets.h"
 #include "capture/takes/take.h"
-#include "engine/pipeline.h"
+#include "engine/gpu/gpu.h"
 
 namespace airclay {
 
 /// Tracks the whole take for the motion that each camera saw. \throw Error like estimateClockOffsets()
-ClockOffsets offsetsFromMotion(Gpu& gpu, Take& take, const PipelineOptions& options, bool shows_progress);
+ClockOffsets offsetsFromMotion(Gpu& gpu, Take& take, int voxels, bool shows_progress);
 
 }  // namespace airclay

@@ -276,8 +276,8 @@ void Session::beginRecording(const std::filesystem::path& folder) {
                 " frames, more than are kept for a recording that starts later; use --record from the start");
   if (turning_) perform({.kind = Action::Kind::kTurn, .angle_rad = 0, .last = true});
   endStroke();
-  const ActionsHeader head{learns ? source->backgroundFrames() : 0, options_.pipeline.voxels, options_.hand_name,
-                           !source};
+  const ActionsHeader head{learns ? source->backgroundFrames() : 0, options_.pipeline.voxels,
+                           options_.hand_name, !source};
   recorder_.emplace(SessionRecorder::Start{folder, source, options_.rig, head, learned_}, document_);
   // Start as the replay will: without a hand pose, and with the clay from the file.
   resetTracking();

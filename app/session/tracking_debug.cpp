@@ -19,8 +19,7 @@ constexpr int kGap = ContactSheet::kGap / 2;
 
 void setPixel(RgbaImage& image, int x, int y, const Rgb& color) {
   if (x < 0 || y < 0 || x >= image.size.width || y >= image.size.height) return;
-  std::copy(color.begin(), color.end(),
-            image.rgba.begin() + 4 * (std::ptrdiff_t(y) * image.size.width + x));
+  std::copy(color.begin(), color.end(), image.rgba.begin() + 4 * (std::ptrdiff_t(y) * image.size.width + x));
 }
 
 void drawLine(RgbaImage& image, const Vec2& from, const Vec2& to, const Rgb& color) {
@@ -80,8 +79,7 @@ RgbaImage trackingOverlay(const Pipeline& pipeline, std::size_t camera, const Ou
   for (std::size_t i = 0; i < bgr.size() / 3; ++i)
     for (std::size_t c = 0; c < 3; ++c) image.rgba[4 * i + c] = bgr[3 * i + 2 - c];
   drawMaskOutline(image, pipeline.gpuRig().unpack(pipeline.silhouettes().masks().host())[camera]);
-  for (const HandFit& fit : result.hands)
-    drawHand(image, view, model, fit, colorOf(result.state()));
+  for (const HandFit& fit : result.hands) drawHand(image, view, model, fit, colorOf(result.state()));
   return image;
 }
 
@@ -136,7 +134,8 @@ void TrackingDebug::add(const Pipeline& pipeline, const PlayedFrame& frame) {
   save(folder_ / name, sheet.image());
   if (!video_)
     video_ = std::make_unique<VideoWriter>(
-        folder_ / "tracking.mp4", VideoWriter::Options{sheet.image().size, rate_hz_, VideoWriter::Format::kRgba8});
+        folder_ / "tracking.mp4",
+        VideoWriter::Options{sheet.image().size, rate_hz_, VideoWriter::Format::kRgba8});
   video_->write(sheet.image().rgba);
 }
 

@@ -81,8 +81,8 @@ nlohmann::ordered_json Tracking::json() const {
 
 std::vector<std::string> Tracking::summary() const {
   std::vector<std::string> lines = {std::to_string(frames_) + " frames: " + std::to_string(tracked_) +
-                                    " tracked, " + std::to_string(uncertain_) + " of them uncertain, " + std::to_string(lost_) + " lost, " +
-                                    std::to_string(empty_) + " empty"};
+                                    " tracked, " + std::to_string(uncertain_) + " of them uncertain, " +
+                                    std::to_string(lost_) + " lost, " + std::to_string(empty_) + " empty"};
   if (frameMs() > 0) {
     std::string line = fixed(frameMs(), 1) + " ms per frame, " + fixed(1000 / frameMs(), 1) + " Hz (";
     for (const auto& [name, ms] : stage_ms_) line += name + " " + fixed(median(ms), 1) + ", ";

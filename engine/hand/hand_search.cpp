@@ -119,7 +119,7 @@ std::vector<int> HandSearch::largestPart() const {
   return largest.size() < least_voxels_ ? std::vector<int>{} : largest;
 }
 
-std::vector<GpuOutlinePose> HandSearch::hypotheses(const std::vector<int>& part, double scale) const {
+std::vector<ScoredPose> HandSearch::hypotheses(const std::vector<int>& part, double scale) const {
   const double voxel_m = rig_.rig().workspace.edge_m / kGrid;
   const auto center = [&](int voxel) {
     return Vec3(voxel_m * (Vec3(voxel % kGrid, voxel / kGrid % kGrid, voxel / (kGrid * kGrid)) +
@@ -146,7 +146,7 @@ std::vector<GpuOutlinePose> HandSearch::hypotheses(const std::vector<int>& part,
   addEnd({part.front()});
   addEnd({ends.back()});
 
-  std::vector<GpuOutlinePose> poses;
+  std::vector<ScoredPose> poses;
   for (std::size_t e = 0; e < ends.size(); ++e) {
     const auto slab = [&](double from_end) {
       Vec3 sum = Vec3::Zero();
@@ -173,8 +173,9 @@ std::vector<GpuOutlinePose> HandSearch::hypotheses(const std::vector<int>& part,
         }
         const Mat3 turn = Eigen::Quaterniond::FromTwoVectors(model_.to_forearm, direction).toRotationMatrix();
         for (int roll = 0; roll < kRolls; ++roll)
-          poses.push_back(outlinePose(rotationFromVector(direction * (roll * 2 * M_PI / kRolls)) * turn,
-                                      position, scale));
+          poses.push_back({outlinePose(rotationFromVector(direction * (roll * 2 * M_PI / kRolls)) * turn,
+                                       position, scale),
+                           static_cast<int>(e), 0});
       }
     }
   }
@@ -219,8 +220,8 @@ std::vector<double> HandSearch::scores(Recorder& recorder, const GpuOutlineFrame
 }
 
 std::vector<ScoredPose> HandSearch::candidates(Recorder& recorder, const Evidence& evidence,
-                                               const GpuOutlineFrame& frame, double scale, std::size_t count,
-                                               StageTimes& stage_ms) {
+                                               const GpuOutlineFrame& frame, double scale,
+                                               std::size_t per_end, StageTimes& stage_ms) {
   const std::uint32_t cameras = rig_.cameraCount();
   recorder.begin();
   recorder.stage("fit");
@@ -242,18 +243,20 @@ std::vector<ScoredPose> HandSearch::candidates(Recorder& recorder, const Evidenc
 
   const std::vector<int> part = largestPart();
   if (part.empty()) return {};
-  const std::vector<GpuOutlinePose> poses = hypotheses(part, scale);
+  std::vector<ScoredPose> all = hypotheses(part, scale);
+  std::vector<GpuOutlinePose> poses;
+  for (const ScoredPose& hypothesis : all) poses.push_back(hypothesis.pose);
   const std::vector<double> score = scores(recorder, frame, poses, stage_ms);
-  std::vector<ScoredPose> sorted;
-  for (std::size_t i = 0; i < poses.size(); ++i) sorted.push_back({poses[i], score[i]});
-  std::ranges::stable_sort(sorted, {}, &ScoredPose::score);
+  for (std::size_t i = 0; i < all.size(); ++i) all[i].score = score[i];
+  std::ranges::stable_sort(all, {}, &ScoredPose::score);
   std::vector<ScoredPose> best;
-  for (const ScoredPose& candidate : sorted) {
-    const bool is_new = std::ranges::none_of(best, [&](const ScoredPose& other) {
-      return angleBetween(rotationOf(other.pose), rotationOf(candidate.pose)) < kSameRotation_rad;
+  for (const ScoredPose& candidate : all) {
+    const auto sameEnd = [&](const ScoredPose& other) { return other.end == candidate.end; };
+    const bool is_old = std::ranges::any_of(best, [&](const ScoredPose& other) {
+      return sameEnd(other) &&
+             angleBetween(rotationOf(other.pose), rotationOf(candidate.pose)) < kSameRotation_rad;
     });
-    if (is_new) best.push_back(candidate);
-    if (best.size() == count) break;
+    if (!is_old && std::size_t(std::ranges::count_if(best, sameEnd)) < per_end) best.push_back(candidate);
   }
   return best;
 }

@@ -10,6 +10,7 @@ namespace airclay {
 
 struct ScoredPose {
   GpuOutlinePose pose;
+  int end = 0;       ///< of the part, in which the hand would be
   double score = 0;  ///< mean over the cameras that see the hand; lower is better
 };
 
@@ -17,10 +18,11 @@ class HandSearch {
  public:
   HandSearch(Gpu& gpu, const GpuRig& rig, const OutlineModel& model);
 
-  /// Poses to refine, best first, at most `count`, different from each other; empty if nothing in the
-  /// workspace could be a hand. \pre the evidence of the whole images is computed. Runs several submissions.
+  /// Poses to refine, at most `per_end` for each end of the arm, best first, all different; empty if nothing
+  /// in the workspace could be a hand. \pre the evidence of the whole images is computed. Runs several
+  /// submissions.
   std::vector<ScoredPose> candidates(Recorder& recorder, const Evidence& evidence,
-                                     const GpuOutlineFrame& frame, double scale, std::size_t count,
+                                     const GpuOutlineFrame& frame, double scale, std::size_t per_end,
                                      StageTimes& stage_ms);
   /// The scores of poses, in the same order. \pre candidates() of the same frame was called
   std::vector<double> scores(Recorder& recorder, const GpuOutlineFrame& frame,
@@ -34,7 +36,7 @@ class HandSearch {
 
  private:
   std::vector<int> largestPart() const;
-  std::vector<GpuOutlinePose> hypotheses(const std::vector<int>& part, double scale) const;
+  std::vector<ScoredPose> hypotheses(const std::vector<int>& part, double scale) const;
 
   const GpuRig& rig_;
   const OutlineModel& model_;

@@ -402,9 +402,12 @@ bool judgeReference(const GpuOutlineFit& fit, std::size_t cameras) {
   for (std::size_t k = 0; k < cameras; ++k) {
     length += fit.camera_length[k];
     good += fit.camera_good[k];
-    agreeing += fit.camera_length[k] >= kLeastOutline && fit.camera_good[k] >= 0.5 * fit.camera_length[k];
+    agreeing += fit.camera_length[k] >= kLeastOutline &&
+                fit.camera_good[k] >= double(kCameraAgreement) * fit.camera_length[k];
   }
-  return agreeing >= kAgreeingCameras && good >= kTrackedAgreement * length;
+  const bool is_clear = fit.judged_length >= double(kLeastJudged) * length &&
+                        good >= double(kJudgedAgreement) * fit.judged_length;
+  return agreeing >= kAgreeingCameras && (good >= double(kTrackedAgreement) * length || is_clear);
 }
 
 }  // namespace airclay

@@ -23,7 +23,9 @@ constexpr OutlineStage kCatch[] = {{2, false, 40, 20}, {2, false, 40, 20}, {2, f
                                    {1, true, 0, 0}};
 constexpr OutlineStage kRefine[] = {
     {2, false, 40, 20}, {2, false, 40, 20}, {2, false, 20, 8}, {2, false, 10, 4}, {1, true, 0, 0}};
-constexpr std::size_t kCandidates = 6;
+constexpr std::size_t kCandidatesPerEnd = 4;
+// A pose of the search is chosen by its score, less this times its outline's agreement.
+constexpr double kAgreementWeight = 0.1;
 // Searches in successive frames differ: a hand of another colour than the background; one of its colour, but
 // without its texture; and one that only its brightness tells from the background.
 constexpr std::array<EvidenceAssumptions, 3> kAttempts = {
@@ -31,9 +33,9 @@ constexpr std::array<EvidenceAssumptions, 3> kAttempts = {
 
 // Evidence around the projected hand, pixels of an image 640 pixels wide.
 constexpr double kFollowMargin = 40, kCatchMargin = 90;
-// The hand's size: people's hands vary by 5 % around the model. Each frame adds a fraction of what its lines
+// The hand's size: most hands are within 5 % of the model. Each frame adds a fraction of what its lines
 // tell, because neighbouring lines err alike; a hand that is found again may be another one.
-constexpr double kScaleDeviation = 0.05, kFoundScaleDeviation = 0.02, kBestScaleDeviation = 0.003;
+constexpr double kScaleDeviation = 0.025, kFoundScaleDeviation = 0.02, kBestScaleDeviation = 0.003;
 constexpr double kScaleTrust = 0.05;
 // After this many frames, a hand whose size is within kOwnSize of the model's counts as the model's: the
 // small rest is the bias of shaded edges.
@@ -75,6 +77,16 @@ Matrix6 covarianceOf(const GpuOutlineFit& fit, const ScalePrior& scale) {
   return covariance;
 }
 
+/// The fraction of the outline that the images confirm.
+double agreementOf(const GpuOutlineFit& fit, std::uint32_t cameras) {
+  double length = 0, good = 0;
+  for (std::uint32_t k = 0; k < cameras; ++k) {
+    length += fit.camera_length[k];
+    good += fit.camera_good[k];
+  }
+  return length > 0 ? good / length : 0;
+}
+
 double weightOf(double deviation) {
   return 1 / (deviation * deviation);
 }
@@ -107,6 +119,17 @@ void RobustTracker::forget() {
   scale_.weight = std::min(scale_.weight > 0 ? scale_.weight : weightOf(kFoundScaleDeviation),
                            weightOf(kFoundScaleDeviation));
   scale_frames_ = 0;
+}
+
+void RobustTracker::reset() {
+  beginSearch();
+  last_ = {};
+  scale_ = {0, weightOf(kScaleDeviation)};
+  last_time_s_ = frame_time_s_ = 0;
+  learned_cameras_ = next_camera_ = 0;
+  was_empty_ = false;
+  searches_ = clock_ = 0;
+  evidence_.resetAdaptation();
 }
 
 HandPoseFrame RobustTracker::poseFrame(double scale) const {
@@ -221,10 +244,11 @@ bool RobustTracker::search(Recorder& recorder, const Frame& frame, StageTimes& s
   const GpuOutlineFrame outline_frame = outlineFrame(frame);
   const double scale = std::exp(scale_.log_scale);
   std::vector<ScoredPose> candidates =
-      search_.candidates(recorder, evidence_, outline_frame, scale, kCandidates, stage_ms);
+      search_.candidates(recorder, evidence_, outline_frame, scale, kCandidatesPerEnd, stage_ms);
   was_empty_ = candidates.empty();
   if (was_empty_) return false;
   std::vector<GpuOutlinePose> poses;
+  std::vector<double> agreements;
   for (const ScoredPose& candidate : candidates) {
     recorder.begin();
     recorder.stage("fit");
@@ -232,8 +256,10 @@ bool RobustTracker::search(Recorder& recorder, const Frame& frame, StageTimes& s
     recorder.submitAndWait();
     addStages(recorder.stageMs(), stage_ms);
     poses.push_back(fitter_.result().pose);
+    agreements.push_back(agreementOf(fitter_.result(), rig_.cameraCount()));
   }
-  const std::vector<double> scores = search_.scores(recorder, outline_frame, poses, stage_ms);
+  std::vector<double> scores = search_.scores(recorder, outline_frame, poses, stage_ms);
+  for (std::size_t i = 0; i < scores.size(); ++i) scores[i] -= kAgreementWeight * agreements[i];
   const auto best = std::ranges::min_element(scores) - scores.begin();
 
   // learn the colours from the best pose
@@ -254,15 +280,10 @@ bool RobustTracker::search(Recorder& recorder, const Frame& frame, StageTimes& s
 
 HandFit RobustTracker::finish() {
   const GpuOutlineFit& found = fitter_.result();
-  double length = 0, good = 0;
-  for (std::uint32_t k = 0; k < rig_.cameraCount(); ++k) {
-    length += found.camera_length[k];
-    good += found.camera_good[k];
-  }
   HandFit fit;
   GpuHandPose device = hands_.host()[0];
   const bool trusted = device.tracked != 0;
-  fit.agreement = length > 0 ? good / length : 0;
+  fit.agreement = agreementOf(found, rig_.cameraCount());
   fit.scale = found.pose.scale;
   fit.covariance = covarianceOf(found, scale_);
   fit.iterations = 0;

@@ -24,6 +24,8 @@ class RobustTracker {
 
   bool hasPose() const { return has_pose_; }
   void forget();
+  /// Forgets the hand, its size and its colours: the next frames give the same as those of a new tracker.
+  void reset();
   /// Records the cells' background after the pixels' has changed.
   void recordBackground(Recorder& recorder, const Buffer<std::uint32_t>& model, const CameraRange& cameras);
   /// Records the frame's evidence around the expected hand; then the fit and learning. \pre hasPose()

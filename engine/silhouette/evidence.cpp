@@ -158,6 +158,11 @@ void Evidence::recordAdaptation(Recorder& recorder, const Buffer<std::uint32_t>&
   recorder.dispatch(adapt_kernel_, args, groupsFor(cells, kEvidenceWorkgroup), rig_.cameraCount());
 }
 
+void Evidence::resetAdaptation() {
+  adapted_frames_ = 0;
+  candidates_.upload(std::vector<std::uint32_t>(candidates_.count()));
+}
+
 void Evidence::recordMasks(Recorder& recorder, const Buffer<std::uint32_t>& masks) {
   EvidenceMaskArgs args{};
   args.cameras = rig_.cameras();

@@ -39,6 +39,8 @@ class Evidence {
   /// `has_hand`. `model` is Silhouettes::model(). \pre record() of the same frame
   void recordAdaptation(Recorder& recorder, const Buffer<std::uint32_t>& images,
                         const Buffer<std::uint32_t>& model, bool has_hand);
+  /// Forgets the changes seen so far that may become the background. \pre nothing recorded is still running
+  void resetAdaptation();
   /// Records a mask of the pixels that are more likely the hand than not. \pre record()
   void recordMasks(Recorder& recorder, const Buffer<std::uint32_t>& masks);
   /// Forgets the colours: any change may be the hand. \pre nothing recorded is still running

@@ -95,20 +95,20 @@ double lightReference(std::span<const float> sums, std::uint32_t columns, const 
 AdaptedPixel adaptReference(const AdaptedPixel& before, const Vec3& seen) {
   Vec3 rounded;
   for (int k = 0; k < 3; ++k) rounded[k] = std::min(std::floor(seen[k] + 0.5), 255.0);
-  const auto isSame = [&](const Vec3& other) { return (rounded - other).cwiseAbs().maxCoeff() <= kAdaptSame; };
+  const auto isWithin = [&](double levels, const Vec3& other) {
+    return (rounded - other).cwiseAbs().maxCoeff() <= levels;
+  };
   const auto packed = [](const Vec3& colour) {
     return std::uint32_t(colour[0]) | std::uint32_t(colour[1]) << 8 | std::uint32_t(colour[2]) << 16;
   };
   const std::uint32_t spread = before.model & 0xff000000u;
-  Vec3 mean = bgr(before.model);
   AdaptedPixel after{before.model, packed(rounded)};
-  if (isSame(mean)) {
-    for (int k = 0; k < 3; ++k) mean[k] += rounded[k] > mean[k] ? 1 : rounded[k] < mean[k] ? -1 : 0;
-    after.model = packed(mean) | spread;
-  } else if (isSame(bgr(before.candidate))) {
+  if (!isWithin(kAdaptNoise, bgr(before.model)) && isWithin(kAdaptSame, bgr(before.candidate))) {
     const std::uint32_t visits = (before.candidate >> 24) + 1, other = before.candidate & 0xffffffu;
-    if (visits >= kAdaptVisits) after = {other | spread, other};
-    else after.candidate = other | visits << 24;
+    if (visits >= kAdaptVisits)
+      after = {other | spread, other};
+    else
+      after.candidate = other | visits << 24;
   }
   return after;
 }

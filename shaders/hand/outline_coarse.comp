@@ -51,6 +51,7 @@ void main() {
   const float information = 1 / variance - 2 * prior;
   GpuOutlineLine found = kNoLine;
   found.length_ = line.length_;
+  found.judged = 1;
   if (information > 0) {
     found.offset = mean / variance / information;
     if (abs(found.offset) <= 2 * float(args.reach)) {

@@ -45,14 +45,15 @@ void main() {
   const uint result = index * kOutlineLines + entry;
   const ImageLayout image = imageLayoutOf(args.cameras, index);
   const Line line = lineOf(image, index, entry, uint(kFineFar));
-  GpuOutlineLine found = kNoLine;
-  found.length_ = line.length_;
   const int inside = min(int(line.inside), kFineInside), outside = min(int(line.outside), kFineOutside);
   const int far = min(int(line.outside), kFineFar);
-  if (line.length_ == 0 || inside < 3 || far < kFineNear) {
+  GpuOutlineLine found = kNoLine;
+  found.length_ = line.length_;
+  if (line.length_ == 0 || inside < kFineShortest || far < kFineNear) {
     args.lines.at[result] = found;
     return;
   }
+  found.judged = 1;
   found.row = rowOf(args.cameras.at[index], line, poseAt(args.pose, args.frame, index));
   found.blur = blurOf(found.row);
   const float ramp = kFineRamp;

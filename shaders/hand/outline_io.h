@@ -106,6 +106,7 @@ struct GpuOutlineLine {
   float offset;  // pixels, positive outwards
   float weight;  // pixels⁻², 0: no evidence
   float length_;  // of the edge in pixels, 0: not part of the outline
+  uint judged;    // 0: too short to tell whether the image agrees: thin fingers, narrow gaps
   float blur;     // how far the edge moves along the line during an exposure, pixels
 };
 
@@ -147,10 +148,11 @@ struct OutlineCoarseArgs {
 // outline_fine: where the mixture of a linear colour on the inside and the known background on the outside
 // explains the line's pixels best. Candidates are kFineStep apart; the transition is a ramp kFineRamp wide.
 const int kFineInside = 4;   // pixels
+const int kFineShortest = 3; // on the inside
 const int kFineOutside = 6;
 const int kFineReach = 3;
 const float kFineStep = 0.5f;
-const float kFineRamp = 2;  // pixels, plus the blur
+const float kFineRamp = 2;         // pixels
 const float kExposure = 0.01f;  // seconds, of an ordinary camera indoors
 const float kMostBlur = 6;       // pixels
 const float kFineNoise = 4;        // grey levels
@@ -197,6 +199,7 @@ struct GpuOutlineFit {
   float residual;                   // Σ weight offset²
   float weight;                     // Σ weight
   uint lines;                       // with evidence
+  float judged_length;              // of the outline that can be judged, pixels
   float camera_length[kOutlineCameras];  // of the outline, pixels
   float camera_good[kOutlineCameras];    // where the lines agree
 };
@@ -213,10 +216,14 @@ struct OutlineSolveArgs {
   float prior_scale;    // logarithm
 };
 
-// outline_judge: whether the images confirm the fit: the fraction of the outline that agrees, over all cameras,
-// and at least kAgreeingCameras in which half of it does. One invocation. Writes the pose for the clay.
+// outline_judge: whether the images confirm the fit: kTrackedAgreement of the whole outline agrees, over all
+// cameras, or nearly all of what can be judged of it; and kCameraAgreement of it in at least kAgreeingCameras.
+// One invocation. Writes the pose for the clay.
 const float kTrackedAgreement = 0.6f;
-const float kUncertainAgreement = 0.4f;
+const float kJudgedAgreement = 0.92f;  // of what can be judged, if that is kLeastJudged of the outline
+const float kLeastJudged = 0.4f;
+const float kUncertainAgreement = 0.33f;
+const float kCameraAgreement = 0.4f;
 const uint kAgreeingCameras = 2;
 const float kLeastOutline = 30;  // pixels: a camera with less has no say
 

@@ -14,9 +14,11 @@ void main() {
     const float own = args.fit.at[0].camera_length[camera], own_good = args.fit.at[0].camera_good[camera];
     length_ += own;
     good += own_good;
-    if (own >= kLeastOutline && own_good >= 0.5 * own) ++agreeing;
+    if (own >= kLeastOutline && own_good >= kCameraAgreement * own) ++agreeing;
   }
+  const float judged = args.fit.at[0].judged_length;
+  const bool is_clear = judged >= kLeastJudged * length_ && good >= kJudgedAgreement * judged;
   args.hand.at[0].rotation = args.fit.at[0].pose.rotation;
   args.hand.at[0].position = args.fit.at[0].pose.position;
-  args.hand.at[0].tracked = agreeing >= kAgreeingCameras && good >= kTrackedAgreement * length_ ? 1 : 0;
+  args.hand.at[0].tracked = agreeing >= kAgreeingCameras && (good >= kTrackedAgreement * length_ || is_clear) ? 1 : 0;
 }

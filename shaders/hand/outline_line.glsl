@@ -93,4 +93,4 @@ float blurOf(float[7] row) {
   return min(kMostBlur, kExposure * abs(dot(shift, args.frame.at[0].velocity) + dot(turn, args.frame.at[0].spin)));
 }
 
-const GpuOutlineLine kNoLine = GpuOutlineLine(float[7](0, 0, 0, 0, 0, 0, 0), 0, 0, 0, 0);
+const GpuOutlineLine kNoLine = GpuOutlineLine(float[7](0, 0, 0, 0, 0, 0, 0), 0, 0, 0, 0, 0);

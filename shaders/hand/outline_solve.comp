@@ -11,7 +11,7 @@ layout(local_size_x_id = 0) in;
 layout(push_constant, scalar) uniform Push { OutlineSolveArgs args; };
 
 const uint kGradient = kOutlineSums;  // 7
-const uint kResidual = 35, kWeight = 36, kLines = 37, kLength = 38, kGood = 39, kTotals = 40;
+const uint kResidual = 35, kWeight = 36, kLines = 37, kLength = 38, kGood = 39, kJudged = 40, kTotals = 41;
 
 shared float shared_sums[kTotals * 32];  // at most 32 subgroups
 
@@ -40,6 +40,7 @@ void main() {
     for (uint i = gl_LocalInvocationID.x; i < count; i += gl_WorkGroupSize.x) {
       const GpuOutlineLine line = args.lines.at[camera * kOutlineLines + i];
       sums[kLength] += line.length_;
+      if (line.judged != 0) sums[kJudged] += line.length_;
       if (line.weight <= 0) continue;
       uint k = 0;
       for (uint row = 0; row < kOutlineUnknowns; ++row) {
@@ -66,6 +67,7 @@ void main() {
   args.result.at[0].residual = totals[kResidual];
   args.result.at[0].weight = totals[kWeight];
   args.result.at[0].lines = uint(totals[kLines]);
+  args.result.at[0].judged_length = totals[kJudged];
 
   // Cholesky's factorization of the damped matrix; a fixed scale has no row
   const uint unknowns = args.scale_weight > 0 ? kOutlineUnknowns : kOutlineUnknowns - 1;

@@ -1,6 +1,6 @@
 #version 460
 // SPDX-License-Identifier: MIT
-// Lets a cell's background follow slow changes, and replaces it after a lasting one.
+// Replaces the background of a cell's pixels after a lasting change.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/camera/image_layout.glsl"
 #include "shaders/silhouette/evidence_io.h"
@@ -11,7 +11,7 @@ layout(push_constant, scalar) uniform Push { BackgroundAdaptArgs args; };
 
 ivec3 channels(uint word) { return ivec3(word & 255u, word >> 8 & 255u, word >> 16 & 255u); }
 uint packed(ivec3 colour) { return uint(colour.x) | uint(colour.y) << 8 | uint(colour.z) << 16; }
-bool isSame(ivec3 a, ivec3 b) { return all(lessThanEqual(abs(a - b), ivec3(kAdaptSame))); }
+bool isWithin(uint levels, ivec3 a, ivec3 b) { return all(lessThanEqual(abs(a - b), ivec3(levels))); }
 
 void main() {
   const ImageLayout camera = imageLayoutOf(args.cameras, gl_WorkGroupID.y);
@@ -34,9 +34,7 @@ void main() {
     const uint model = args.model.at[camera.pixels_before + pixel], candidate = args.candidates.at[camera.pixels_before + pixel];
     ivec3 mean = channels(model);
     uint visits = 0, other = packed(seen);
-    if (isSame(seen, mean)) {
-      mean += sign(seen - mean);
-    } else if (isSame(seen, channels(candidate))) {
+    if (!isWithin(kAdaptNoise, seen, mean) && isWithin(kAdaptSame, seen, channels(candidate))) {
       visits = (candidate >> 24) + 1;
       other = candidate & 0xffffffu;
       if (visits >= kAdaptVisits) {

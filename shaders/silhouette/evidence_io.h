@@ -23,11 +23,10 @@ const uint kEvidenceTile = 8;  // pixels
 
 // Evidence is one byte per cell, four cells per word: bit 0 is set if the cell differs from the background;
 // the other bits are kEvidenceZero + kEvidenceSteps times the log-likelihood ratio, which is clipped at
-// kMaxEvidence either way. Tiles outside the region have kNoEvidence.
+// kMaxEvidence either way. Tiles outside a camera's region stay as they were.
 const float kMaxEvidence = 4;
 const float kEvidenceSteps = 15.75f;
 const uint kEvidenceZero = 64;
-const uint kNoEvidence = 2 * kEvidenceZero;
 
 // The mean colour of a cell, B, G, R, in quarters of a grey level, 10 bits each from the lowest.
 const float kCellColourStep = 0.25f;
@@ -152,7 +151,7 @@ struct EvidenceCountArgs {
   ReadUints colours;
   ReadUints evidence;
   ReadUints masks;         // of the fitted hand, one bit per pixel
-  ReadVec4s forearms;      // two per camera: both ends in pixels, and the radius in x
+  ReadVec4s forearms;      // two per camera: both ends in pixels, and the radius in z of the first
   ReadWriteUints counts;   // of the hand, then of everything else
   uint camera;
 };
@@ -176,12 +175,13 @@ struct EvidenceTableArgs {
 };
 
 // background_adapt: keeps the background up to date outside the region of the hand, in every kAdaptRows-th row
-// of cells per frame, from row `phase` on. A pixel that still shows its background follows it by one grey level
-// (sigma-delta estimation, Manzanera and Richefeu 2007); one that shows the same other colour kAdaptVisits
-// times in a row has a new background. One invocation per cell.
+// of cells per frame, from row `phase` on. A pixel that shows the same other colour kAdaptVisits times in a row
+// has a new background: a cup put down, a cloud. Anything that moves, shadows included, changes nothing. One
+// invocation per cell.
 const uint kAdaptRows = 16;
 const uint kAdaptVisits = 20;  // about 10 s at 30 Hz
-const uint kAdaptSame = 8;     // grey levels per channel
+const uint kAdaptNoise = 4;    // grey levels per channel: still the background
+const uint kAdaptSame = 8;     // still the other colour
 
 struct BackgroundAdaptArgs {
   ReadCameras cameras;
