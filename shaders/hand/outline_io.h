@@ -219,10 +219,10 @@ struct OutlineSolveArgs {
 // outline_judge: whether the images confirm the fit: kTrackedAgreement of the whole outline agrees, over all
 // cameras, or nearly all of what can be judged of it; and kCameraAgreement of it in at least kAgreeingCameras.
 // One invocation. Writes the pose for the clay.
-const float kTrackedAgreement = 0.6f;
+const float kTrackedAgreement = 0.65f;
 const float kJudgedAgreement = 0.92f;  // of what can be judged, if that is kLeastJudged of the outline
 const float kLeastJudged = 0.4f;
-const float kUncertainAgreement = 0.33f;
+const float kUncertainAgreement = 0.4f;
 const float kCameraAgreement = 0.4f;
 const uint kAgreeingCameras = 2;
 const float kLeastOutline = 30;  // pixels: a camera with less has no say
