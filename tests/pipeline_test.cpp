@@ -27,20 +27,34 @@ ClayState tube() {
 /// Runs a recording through a pipeline, frame by frame.
 struct Session {
   Synthetic recording;
-  HandModel hand = builtInHand(false);
+  HandModel hand;
+  bool monochrome;
   Pipeline pipeline;
   std::vector<std::span<std::uint8_t>> images;
 
-  Session() : recording(testGpu()), pipeline(testGpu(), recording.rig(), hand, {.time_every = 1}, tube()) {
+  explicit Session(HandModel model = builtInHand(false), bool grey = false)
+      : recording(testGpu()),
+        hand(std::move(model)),
+        monochrome(grey),
+        pipeline(testGpu(), recording.rig(), hand, {.time_every = 1}, tube()) {
     for (std::size_t c = 0; c < recording.rig().cameras.size(); ++c) images.push_back(pipeline.image(c));
     for (int frame = 0; frame < recording.backgroundFrames(); ++frame) {
-      recording.readImages(frame, images);
+      read(frame);
       pipeline.learnBackground();
     }
   }
 
-  FrameResult process(int frame, bool held = true) {
+  void read(int frame) {
     recording.readImages(frame, images);
+    if (!monochrome) return;
+    for (const std::span<std::uint8_t> bgr : images)
+      for (std::size_t i = 0; i < bgr.size(); i += 3)
+        bgr[i] = bgr[i + 1] = bgr[i + 2] =
+            static_cast<std::uint8_t>(0.114 * bgr[i] + 0.587 * bgr[i + 1] + 0.299 * bgr[i + 2] + 0.5);
+  }
+
+  FrameResult process(int frame, bool held = true) {
+    read(frame);
     return pipeline.processImages({.held = held});
   }
   Pose truth(int frame) const {
@@ -247,6 +261,31 @@ TEST(Pipeline, GivenHandSculptsWithoutCameras) {
   EXPECT_EQ(pipeline.clay().controlPointCount(), int(presetCage("ball").points.size()));
   pipeline.setClay(std::nullopt);
   EXPECT_EQ(pipeline.sculptWith(std::array{HandPose{handAt(0.2), {}}}).clay.touched, 0);
+}
+
+TEST(Pipeline, TracksTheHandWithMonochromeCameras) {
+  Session session(builtInHand(false), true);
+  const Vec3 center = massProperties(session.hand.skin).centroid;
+  std::vector<double> shifts_m;
+  constexpr int kFrames = 20;
+  for (int i = 0; i < kFrames; ++i) {
+    const int frame = session.recording.backgroundFrames() + i;
+    const FrameResult result = session.process(frame);
+    if (result.state() != HandState::kTracked) continue;
+    const Pose& found = result.trackedHand()->pose.world_from_hand;
+    shifts_m.push_back((found * center - session.truth(frame) * center).norm());
+  }
+  ASSERT_GE(shifts_m.size(), std::size_t(kFrames - 2));
+  EXPECT_LT(median(shifts_m), 0.002);
+}
+
+TEST(Pipeline, DoesNotTrustAPoseOfTheOtherHand) {
+  Session session(builtInHand(true));
+  for (int i = 0; i < 6; ++i) {
+    const FrameResult result = session.process(session.recording.backgroundFrames() + i);
+    EXPECT_NE(result.state(), HandState::kTracked) << i;
+    EXPECT_EQ(result.clay.touched, 0) << i;
+  }
 }
 
 TEST(Pipeline, RejectsInvalidInput) {
