@@ -127,7 +127,7 @@ TEST(App, WrongUsageExitsWithTwo) {
   expectRefused({"devices", "extra"}, 2, "extra");
   expectRefused({"track"}, 2, "TAKE");
   expectRefused({"track", "take"}, 2, "--poses");
-  expectRefused({"track", "take", "--poses", "x.tum", "--fit", "robust"}, 2, "--fit robust");
+  expectRefused({"track", "take", "--poses", "x.tum", "--silhouettes", "loose"}, 2, "loose");
   expectRefused({"track", "take", "--poses", "x.tum", "--fit", "loose"}, 2, "loose");
   expectRefused({"track", "take", "--poses", "x.tum", "--units", "inch"}, 2, "inch");
   expectRefused({"track", "take", "--poses", "x.tum", "--background", "0"}, 2, "--background");
