@@ -254,6 +254,10 @@ GpuOutlinePose outlinePose(const Mat3& rotation, const Vec3& position, double sc
   return pose;
 }
 
+GpuOutlinePose noOutlinePose() {
+  return outlinePose(Mat3::Identity(), Vec3::Zero(), 1);
+}
+
 GpuOutlinePose movedPose(const GpuOutlinePose& pose, const GpuOutlineFrame& frame, double seconds) {
   return outlinePose(rotationFromVector(seconds * frame.spin.cast<double>()) * rotationOf(pose),
                      pose.position.cast<double>() + seconds * frame.velocity.cast<double>(), pose.scale);

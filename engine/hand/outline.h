@@ -92,6 +92,7 @@ class OutlineFitter {
 };
 
 /// The outline's pose of a hand, and back.
+GpuOutlinePose noOutlinePose();
 GpuOutlinePose outlinePose(const Mat3& rotation, const Vec3& position, double scale);
 inline Mat3 rotationOf(const GpuOutlinePose& pose) {
   return Eigen::Quaterniond(Eigen::Vector4d(pose.rotation.cast<double>())).normalized().toRotationMatrix();

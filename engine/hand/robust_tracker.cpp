@@ -123,7 +123,7 @@ void RobustTracker::forget() {
 
 void RobustTracker::reset() {
   beginSearch();
-  last_ = {};
+  last_ = noOutlinePose();
   scale_ = {0, weightOf(kScaleDeviation)};
   last_time_s_ = frame_time_s_ = 0;
   learned_cameras_ = next_camera_ = 0;

@@ -64,7 +64,7 @@ class RobustTracker {
   Kernel<OutlineJudgeArgs> judge_;
   Buffer<GpuHandPose> hands_;
   bool has_pose_ = false;
-  GpuOutlinePose last_{};
+  GpuOutlinePose last_ = noOutlinePose();
   ScalePrior scale_;      ///< what is known of the hand's size; no weight: it is the model's
   int scale_frames_ = 0;  ///< that contributed
   Vec3 velocity_ = Vec3::Zero(), spin_ = Vec3::Zero();
