@@ -110,14 +110,14 @@ void FigureView::drawTriangle(std::uint32_t index, const Vec2& offset, const std
   // the image's y points down: counterclockwise triangles have a negative area
   if (!(area < 0) || std::isnan(a.z + b.z + c.z)) return;
   const auto ox = static_cast<float>(offset.x()), oy = static_cast<float>(offset.y());
-  const auto low = [](float p, float q, float r, float o) {
+  const auto lowest = [](float p, float q, float r, float o) {
     return -floorOf(std::min(o - std::min(std::min(p, q), r), 0.f));
   };
-  const auto high = [](float p, float q, float r, float o, int end) {
+  const auto past = [](float p, float q, float r, float o, int end) {
     return floorOf(std::clamp(std::max(std::max(p, q), r) - o, -1.f, static_cast<float>(end - 1))) + 1;
   };
-  const int x0 = low(a.x, b.x, c.x, ox), x1 = high(a.x, b.x, c.x, ox, camera_.width);
-  const int y0 = low(a.y, b.y, c.y, oy), y1 = high(a.y, b.y, c.y, oy, camera_.height);
+  const int x0 = lowest(a.x, b.x, c.x, ox), x1 = past(a.x, b.x, c.x, ox, camera_.width);
+  const int y0 = lowest(a.y, b.y, c.y, oy), y1 = past(a.y, b.y, c.y, oy, camera_.height);
   if (x0 >= x1 || y0 >= y1) return;
   left_ = std::min(left_, x0), right_ = std::max(right_, x1);
   top_ = std::min(top_, y0), bottom_ = std::max(bottom_, y1);
