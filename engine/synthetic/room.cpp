@@ -202,7 +202,7 @@ struct Room::Parts {
   double script_begins_s, appears_s;
   std::vector<CameraParts> cameras;
   std::array<Sample, kSamples> samples = samplePattern();
-  std::vector<float> normal = normalTable();
+  std::vector<float> normal_table = normalTable();
   Encoding encode;
 
   Parts(const HandModel& hand, const RoomOptions& o)
@@ -350,7 +350,7 @@ void Room::render(std::size_t index, int frame, std::span<std::uint8_t> bgr) {
           camera.vignette(x, y) * camera.lightAt(x, y, i, shadow, static_cast<float>(daylight));
       std::uint64_t chance = mixed(key + i);
       for (const int channel : {2, 1, 0}) {  // blue first
-        const float normal = parts.normal[chance & (parts.normal.size() - 1)];
+        const float normal = parts.normal_table[chance & (parts.normal_table.size() - 1)];
         chance >>= 12;
         bgr[3 * i + static_cast<std::size_t>(2 - channel)] =
             sensitivity.value(parts.encode(linear[channel]), channel, normal);
