@@ -71,23 +71,22 @@ RgbaImage blank(const Camera& camera, std::uint8_t level) {
 
 }  // namespace
 
-RgbaImage trackingOverlay(const Pipeline& pipeline, std::size_t camera, const OutlineModel& model,
-                          const FrameResult& result) {
+RgbaImage trackingOverlay(const Pipeline& pipeline, std::size_t camera, const Silhouette& mask,
+                          const OutlineModel& model, const FrameResult& result) {
   const Camera& view = pipeline.rig().cameras[camera];
   RgbaImage image = blank(view, 0);
   const std::span<const std::uint8_t> bgr = pipeline.image(camera);
   for (std::size_t i = 0; i < bgr.size() / 3; ++i)
     for (std::size_t c = 0; c < 3; ++c) image.rgba[4 * i + c] = bgr[3 * i + 2 - c];
-  drawMaskOutline(image, pipeline.gpuRig().unpack(pipeline.silhouettes().masks().host())[camera]);
+  drawMaskOutline(image, mask);
   for (const HandFit& fit : result.hands) drawHand(image, view, model, fit, colorOf(result.state()));
   return image;
 }
 
-RgbaImage evidenceImage(const Pipeline& pipeline, std::size_t camera) {
+RgbaImage evidenceImage(const Pipeline& pipeline, std::size_t camera, std::span<const std::uint32_t> words) {
   RgbaImage image = blank(pipeline.rig().cameras[camera], 128);
   const Evidence* evidence = pipeline.evidence();
-  if (!evidence) return image;
-  const std::vector<std::uint32_t> words = evidence->evidence().download();
+  if (!evidence || words.empty()) return image;
   const auto* bytes = reinterpret_cast<const std::uint8_t*>(words.data());
   const GpuCamera& layout = pipeline.gpuRig().camera(camera);
   const GpuTileRegion& region = evidence->regions().host()[camera];
@@ -110,13 +109,16 @@ TrackingDebug::TrackingDebug(const std::filesystem::path& folder, const HandMode
 void TrackingDebug::add(const Pipeline& pipeline, const PlayedFrame& frame) {
   const std::vector<Camera>& cameras = pipeline.rig().cameras;
   const int rows = static_cast<int>(cameras.size());
+  const std::vector<Silhouette> masks = pipeline.gpuRig().unpack(pipeline.silhouettes().masks().host());
+  std::vector<std::uint32_t> evidence;
+  if (pipeline.evidence()) evidence = pipeline.evidence()->evidence().download();
   std::vector<RgbaImage> panels;
   int height = kGap;
   for (std::size_t k = 0; k < cameras.size(); ++k) {
     const int width = std::min(kPanelWidth, cameras[k].width);
     const ImageSize size{width, std::max(1, cameras[k].height * width / cameras[k].width)};
-    panels.push_back(reduced(trackingOverlay(pipeline, k, model_, frame.result), size));
-    panels.push_back(reduced(evidenceImage(pipeline, k), size));
+    panels.push_back(reduced(trackingOverlay(pipeline, k, masks[k], model_, frame.result), size));
+    panels.push_back(reduced(evidenceImage(pipeline, k, evidence), size));
   }
   // two cameras side by side
   for (int row = 0; row < rows; row += 2) height += panels[std::size_t(2 * row)].size.height + kGap;

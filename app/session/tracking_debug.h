@@ -15,10 +15,12 @@ namespace airclay {
 
 /// A camera's image with the outline of the silhouette (yellow) and of the fitted hand, in the colour of its
 /// state: green tracked, orange uncertain, red lost.
-RgbaImage trackingOverlay(const Pipeline& pipeline, std::size_t camera, const OutlineModel& model,
-                          const FrameResult& result);
+/// `mask`: the camera's silhouette.
+RgbaImage trackingOverlay(const Pipeline& pipeline, std::size_t camera, const Silhouette& mask,
+                          const OutlineModel& model, const FrameResult& result);
 /// The camera's evidence: white for the hand, black against it, grey where it says nothing or was not needed.
-RgbaImage evidenceImage(const Pipeline& pipeline, std::size_t camera);
+/// `words`: the evidence of all cameras, or empty.
+RgbaImage evidenceImage(const Pipeline& pipeline, std::size_t camera, std::span<const std::uint32_t> words);
 
 /// Writes one contact sheet per frame, 000012.png, and all of them as tracking.mp4.
 class TrackingDebug {

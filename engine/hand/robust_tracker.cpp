@@ -16,7 +16,7 @@ constexpr double kLongestGap_s = 0.2;
 constexpr double kFastest_m_s = 3, kFastest_rad_s = 30;
 
 // Following with a known motion, after a search, and refining a candidate of the search. Reach and spread in
-// pixels of an image 640 pixels wide.
+// pixels.
 constexpr OutlineStage kFollow[] = {{3, false, 24, 10}, {2, false, 10, 4}, {2, true, 0, 0}, {1, true, 0, 0}};
 constexpr OutlineStage kCatch[] = {{2, false, 40, 20}, {2, false, 40, 20}, {2, false, 20, 8},
                                    {2, false, 10, 4},  {1, false, 10, 4},  {2, true, 0, 0},
@@ -116,8 +116,8 @@ void RobustTracker::forget() {
   has_pose_ = false;
   frames_ = 0;
   uncertain_frames_ = 0;
-  scale_.weight = std::min(scale_.weight > 0 ? scale_.weight : weightOf(kFoundScaleDeviation),
-                           weightOf(kFoundScaleDeviation));
+  const double found = weightOf(kFoundScaleDeviation);
+  scale_.weight = scale_.weight > 0 ? std::min(scale_.weight, found) : found;
   scale_frames_ = 0;
 }
 
@@ -126,7 +126,7 @@ void RobustTracker::reset() {
   last_ = noOutlinePose();
   scale_ = {0, weightOf(kScaleDeviation)};
   last_time_s_ = frame_time_s_ = 0;
-  learned_cameras_ = next_camera_ = 0;
+  next_camera_ = 0;
   was_empty_ = false;
   searches_ = clock_ = 0;
   evidence_.resetAdaptation();

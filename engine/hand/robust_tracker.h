@@ -71,11 +71,10 @@ class RobustTracker {
   double last_time_s_ = 0, frame_time_s_ = 0;
   int frames_ = 0;  ///< consecutively tracked; two define a motion
   int uncertain_frames_ = 0;
-  std::uint32_t learned_cameras_ = 0;  ///< whose colours are known
-  std::uint32_t next_camera_ = 0;      ///< that learns
-  bool was_empty_ = false;             ///< the last search found nothing that could be a hand
-  int searches_ = 0;                   ///< without success
-  int clock_ = 0;                      ///< frames, where they have no times
+  std::uint32_t next_camera_ = 0;  ///< that learns
+  bool was_empty_ = false;         ///< the last search found nothing that could be a hand
+  int searches_ = 0;               ///< without success
+  int clock_ = 0;                  ///< frames, where they have no times
 };
 
 }  // namespace airclay

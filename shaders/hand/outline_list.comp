@@ -3,12 +3,11 @@
 // Lists a camera's silhouette edges in their order. One subgroup per camera.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
+#include "shaders/hand/facing.glsl"
 #include "shaders/hand/outline_io.h"
 
 layout(local_size_x_id = 0) in;
 layout(push_constant, scalar) uniform Push { OutlineListArgs args; };
-
-float cross2(vec2 a, vec2 b) { return a.x * b.y - a.y * b.x; }
 
 bool isSilhouette(uint edge) {
   const GpuOutlineEdge corners = args.edges.at[edge];
@@ -16,8 +15,7 @@ bool isSilhouette(uint edge) {
   const vec2 from = args.pixels.at[first + corners.from], to = args.pixels.at[first + corners.to];
   const vec2 left = args.pixels.at[first + corners.left], right = args.pixels.at[first + corners.right];
   if (min(min(from.x, to.x), min(left.x, right.x)) <= kNotProjected) return false;
-  const bool left_front = cross2(to - from, left - from) < 0, right_front = cross2(from - to, right - to) < 0;
-  return left_front != right_front && length(to - from) >= kShortestEdge;
+  return isFront(from, to, left) != isFront(to, from, right) && length(to - from) >= kShortestEdge;
 }
 
 void main() {

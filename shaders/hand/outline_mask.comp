@@ -3,12 +3,11 @@
 // Draws a triangle of the skin into a camera's mask.
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/camera/image_layout.glsl"
+#include "shaders/hand/facing.glsl"
 #include "shaders/hand/outline_io.h"
 
 layout(local_size_x_id = 0) in;
 layout(push_constant, scalar) uniform Push { OutlineMaskArgs args; };
-
-float cross2(vec2 a, vec2 b) { return a.x * b.y - a.y * b.x; }
 
 void main() {
   if (gl_GlobalInvocationID.x >= args.triangle_count) return;
@@ -16,7 +15,7 @@ void main() {
   const GpuTriangle triangle = args.triangles.at[gl_GlobalInvocationID.x];
   vec2 p[3];
   for (uint k = 0; k < 3; ++k) p[k] = args.pixels.at[gl_WorkGroupID.y * args.vertex_count + triangle.corners[k]];
-  if (min(p[0].x, min(p[1].x, p[2].x)) <= kNotProjected || cross2(p[1] - p[0], p[2] - p[0]) >= 0) return;
+  if (min(p[0].x, min(p[1].x, p[2].x)) <= kNotProjected || !isFront(p[0], p[1], p[2])) return;
   const float top = min(p[0].y, min(p[1].y, p[2].y)), bottom = max(p[0].y, max(p[1].y, p[2].y));
   const int last = int(min(float(image.height) - 1, floor(bottom)));
   for (int y = int(max(0, ceil(top))); y <= last; ++y) {
