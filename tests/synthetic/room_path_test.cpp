@@ -78,7 +78,9 @@ TEST(Person, ForearmEndsAtTheWristAndLimbsKeepTheirLengths) {
       EXPECT_LT((wrist - room_from_wrist.translation()).norm(), 1e-12);
       EXPECT_NEAR((wrist - elbow).norm(), 0.27, 1e-6);
       EXPECT_LT((at(Bone::kForearm).inverse() * elbow - Vec3(-0.27, 0, 0)).norm(), 1e-6);
-      if (elbow_before) EXPECT_LT((elbow - *elbow_before).norm() / kStepS, 6) << "at " << t << " s";
+      if (elbow_before) {
+        EXPECT_LT((elbow - *elbow_before).norm() / kStepS, 6) << "at " << t << " s";
+      }
       elbow_before = elbow;
     }
   }

@@ -169,7 +169,9 @@ TEST(Room, DriftScalesTheImage) {
                              .cwiseQuotient(channelSums(imageOf(steady, options, c, frame)));
       EXPECT_LT((ratio.reverse() - gain).cwiseAbs().maxCoeff(), 0.004);
       largest = std::max(largest, (gain - Vec3::Ones()).cwiseAbs().maxCoeff());
-      if (frame == 0) EXPECT_EQ(gain, Vec3::Ones());
+      if (frame == 0) {
+        EXPECT_EQ(gain, Vec3::Ones());
+      }
     }
   EXPECT_GT(largest, 0.06);
   EXPECT_LT(largest, 0.115);
