@@ -66,6 +66,7 @@ int run(int argc, char** argv) {
   addHull(program, status);
   addSubdivide(program, status);
   addDeform(program, status);
+  addRemesh(program, status);
   addExport(program, status);
   addNew(program, status);
   addHistory(program, status);

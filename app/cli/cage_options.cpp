@@ -13,6 +13,7 @@ CageReadOptions CageOptions::reading() const {
   options.units = lengthUnitNamed(units);
   if (!up.empty()) options.up = up == "y" ? UpAxis::kY : UpAxis::kZ;
   options.units_option = units_option;
+  options.is_surface = is_surface;
   return options;
 }
 

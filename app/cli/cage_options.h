@@ -17,6 +17,7 @@ struct CageOptions {
   std::string units, up;                 ///< empty: the format's own
   std::string units_option = "--units";  ///< the options' names
   std::string up_option = "--up";
+  bool is_surface = false;  ///< as CageReadOptions::is_surface
 
   CageReadOptions reading() const;
   /// The cage of a preset or a file; prints what was repaired, and hints, as warnings.

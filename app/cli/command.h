@@ -77,6 +77,7 @@ void addEvaluate(CLI::App& program, int& status);
 void addHull(CLI::App& program, int& status);
 void addSubdivide(CLI::App& program, int& status);
 void addDeform(CLI::App& program, int& status);
+void addRemesh(CLI::App& program, int& status);
 void addExport(CLI::App& program, int& status);
 void addNew(CLI::App& program, int& status);
 void addHistory(CLI::App& program, int& status);

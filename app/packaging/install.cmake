@@ -14,6 +14,7 @@ set(AIRCLAY_INTERNAL_HEADERS
   engine/core/median.h
   engine/clay/dense_pseudoinverse.h
   engine/gpu/one_time.h
+  engine/clay/remesh_fit.h
   engine/mesh/cage_repair.h
   engine/mesh/gltf_elements.h
   engine/mesh/mesh_source.h

@@ -17,8 +17,8 @@ constexpr int kFormat = 1;
 
 constexpr const char* kRules[] = {"catmull-clark", "printed"};
 // In the order of Action::Kind.
-constexpr const char* kActionNames[] = {"stroke", "undo", "redo",     "refine", "form",
-                                        "turn",   "clay", "document", "again",  "empty"};
+constexpr const char* kActionNames[] = {"stroke", "undo",     "redo",  "refine", "form",  "turn",
+                                        "clay",   "document", "again", "empty",  "remesh"};
 
 std::string wordOf(const Symmetry& symmetry) {
   const std::string axes =
@@ -152,6 +152,8 @@ std::optional<Action> readAction(const std::string& word, Line& line) {
     action.rule = static_cast<SubdivisionRule>(line.oneOf(kRules, "catmull-clark or printed"));
     action.solve = findSolveMethod(line.word());
     if (!action.solve) line.fail(solveMethodIds());
+  } else if (action.kind == Kind::kRemesh) {
+    action.faces = line.whole(1, 1'000'000, "how many faces");
   } else if (action.kind == Kind::kTurn) {
     for (double& value : action.axis) value = line.number("the axis x y z");
     action.angle_rad = line.number("the angle in radians");
@@ -242,6 +244,9 @@ std::string lineOf(const Action& action) {
     case Kind::kSurface:
       line += " " + std::to_string(action.levels) + " " + kRules[static_cast<int>(action.rule)] + " " +
               action.solve->id;
+      break;
+    case Kind::kRemesh:
+      line += " " + std::to_string(action.faces);
       break;
     case Kind::kTurn:
       for (const double value : action.axis) line += " " + exactNumber(value);

@@ -24,6 +24,7 @@
 //     undo | redo | refine | again      again: the source began anew, the hand is looked for
 //     empty                             the empty workspace is forgotten; frames that teach it anew follow
 //     form LEVEL RULE SOLVE
+//     remesh FACES                      the cage became one of about so many faces for the same surface
 //     turn X Y Z RADIANS more|last      clay and planes of symmetry, about an axis through the
 //                                       workspace's centre
 //     clay FILE NAME                    the clay became that of FILE; NAME is the entry's
@@ -45,11 +46,24 @@ namespace airclay {
 
 /// One action between two frames.
 struct Action {
-  enum class Kind { kEndStroke, kUndo, kRedo, kRefine, kSurface, kTurn, kClay, kDocument, kRestart, kEmpty };
+  enum class Kind {
+    kEndStroke,
+    kUndo,
+    kRedo,
+    kRefine,
+    kSurface,
+    kTurn,
+    kClay,
+    kDocument,
+    kRestart,
+    kEmpty,
+    kRemesh
+  };
   Kind kind = Kind::kUndo;
   int levels = 2;  ///< kSurface
   SubdivisionRule rule = SubdivisionRule::kCatmullClark;
   const SolveMethod* solve = &kSolveAll;
+  int faces = 0;              ///< kRemesh
   Vec3 axis = Vec3::UnitZ();  ///< kTurn: about the workspace's centre
   double angle_rad = 0;
   bool last = false;       ///< kTurn: the rotation ends

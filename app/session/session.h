@@ -150,6 +150,8 @@ class Session {
   void undo();
   void redo();
   void refineClay();
+  /// Replaces the cage by a new one of even quads for the same surface; overlapping lobes fuse.
+  void remeshClay();
   void setSurface(int levels, SubdivisionRule rule, const SolveMethod* solve);
   /// Rotates the clay about an axis through the workspace's center; the last call commits it.
   void turn(const Vec3& axis, double angle_rad, bool last);

@@ -4,6 +4,7 @@
 #include "app/session/temporary_document.h"
 #include "engine/clay/clay.h"
 #include "engine/clay/refine.h"
+#include "engine/clay/remesh.h"
 #include "engine/core/error.h"
 #include "engine/core/task.h"
 #include "engine/mesh/cage_file.h"
@@ -69,6 +70,14 @@ void Session::redo() {
 
 void Session::refineClay() {
   act({.kind = Action::Kind::kRefine}, "refining");
+}
+
+void Session::remeshClay() {
+  post([this] {
+    refuseWhileReplaying();
+    const Working working(*this, "remeshing");
+    perform({.kind = Action::Kind::kRemesh, .faces = remeshFaces(document_.state())});
+  });
 }
 
 void Session::setSurface(int levels, SubdivisionRule rule, const SolveMethod* solve) {
@@ -178,6 +187,12 @@ void Session::perform(const Action& action) {
       const ClayState refined = refine(document_.state());
       commit("Refine", refined);
       note("refined: " + std::to_string(refined.cage.points.size()) + " control points");
+      break;
+    }
+    case Action::Kind::kRemesh: {
+      const ClayState remeshed = remesh(document_.state(), action.faces);
+      commit("Remesh", remeshed);
+      note("remeshed: " + std::to_string(remeshed.cage.points.size()) + " control points");
       break;
     }
     case Action::Kind::kSurface:

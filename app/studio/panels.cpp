@@ -137,6 +137,7 @@ void Panels::drawMenu(const DocumentView& document, PanelRequests& requests) {
     if (ImGui::MenuItem(undo.c_str(), "Ctrl Z", false, document.undo.has_value())) session_.undo();
     if (ImGui::MenuItem(redo.c_str(), "Ctrl Shift Z", false, document.redo.has_value())) session_.redo();
     if (ImGui::MenuItem("Refine", "R")) session_.refineClay();
+    if (ImGui::MenuItem("Remesh", "M")) session_.remeshClay();
     ImGui::EndMenu();
   }
   if (ImGui::BeginMenu("View")) {
@@ -287,6 +288,9 @@ void Panels::drawSurface(const DocumentView& document) {
   }
   if (ImGui::Button("Refine")) session_.refineClay();
   tip("Refine the cage without changing the surface, to add detail  (R)");
+  ImGui::SameLine();
+  if (ImGui::Button("Remesh")) session_.remeshClay();
+  tip("New cage of even quads for the same surface; overlapping lobes fuse  (M)");
 }
 
 void Panels::drawShown() {

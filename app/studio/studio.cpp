@@ -171,7 +171,8 @@ class Studio {
                key(GLFW_KEY_Y, "Y", "Mirror front and back", [this] { settings_.symmetry.y ^= true; }),
                shown_only("Arrows", "Rotate the clay",
                           {GLFW_KEY_LEFT, GLFW_KEY_RIGHT, GLFW_KEY_UP, GLFW_KEY_DOWN}),
-               key(GLFW_KEY_R, "R", "Refine the cage", [this] { session_.refineClay(); })}},
+               key(GLFW_KEY_R, "R", "Refine the cage", [this] { session_.refineClay(); }),
+               key(GLFW_KEY_M, "M", "Remesh: even quads, lobes fuse", [this] { session_.remeshClay(); })}},
              {"Edit and file",
               {ctrl(
                    GLFW_KEY_Z, false, "Ctrl Z", "Undo", [this] { session_.undo(); }, true),

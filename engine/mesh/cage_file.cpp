@@ -90,8 +90,8 @@ void hintAtTriangles(CageReading& reading) {
   const std::size_t triangles = std::size_t(std::count_if(faces.begin(), faces.end(), is_triangle));
   if (2 * triangles <= faces.size()) return;
   reading.hints.push_back(std::to_string(triangles) + " of " + std::to_string(faces.size()) +
-                          " faces are triangles; quads subdivide into a smoother surface: remesh the cage to "
-                          "quads in a modelling program");
+                          " faces are triangles; quads subdivide into a smoother surface: `airclay remesh` "
+                          "makes a cage of quads");
 }
 
 /// Converts to metres and z up.
@@ -147,13 +147,17 @@ CageReading inspectCage(const std::filesystem::path& file, const CageReadOptions
   Eigen::AlignedBox3d box;
   for (const Vec3& point : reading.cage.points) box.extend(point);
   hintAtSize(box.sizes().maxCoeff(), unit, options, reading);
-  hintAtTriangles(reading);
+  if (!options.is_surface) hintAtTriangles(reading);
   transform(reading.cage, unit.metres, options.up.value_or(is_gltf ? UpAxis::kY : UpAxis::kZ));
   return reading;
 }
 
 CageReading readCage(const std::filesystem::path& file, const CageReadOptions& options) {
   CageReading reading = inspectCage(file, options);
+  if (options.is_surface) {
+    reading.repairs.insert(reading.repairs.end(), reading.problems.begin(), reading.problems.end());
+    return reading;
+  }
   std::string problems;
   for (const std::string& problem : reading.problems) problems += (problems.empty() ? "" : "; ") + problem;
   if (!problems.empty()) throw Error(file.string() + ": " + problems);

@@ -23,6 +23,8 @@ struct CageReadOptions {
   std::optional<LengthUnit> units;
   /// Empty: z; for glTF y, as its specification requires.
   std::optional<UpAxis> up;
+  /// The file is not used as a cage: no hint recommends quads, and readCage() reports problems as notes.
+  bool is_surface = false;
   /// The option that hints about the size recommend.
   std::string units_option = "--units";
 };
@@ -56,7 +58,7 @@ struct CageReading {
 /// \throw Error naming the line or byte if the file cannot be parsed
 CageReading inspectCage(const std::filesystem::path& file, const CageReadOptions& options = {});
 
-/// Like inspectCage(). \throw Error also for problems
+/// Like inspectCage(). \throw Error also for problems, unless options.is_surface
 CageReading readCage(const std::filesystem::path& file, const CageReadOptions& options = {});
 
 }  // namespace airclay

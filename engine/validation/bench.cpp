@@ -10,6 +10,7 @@
 #include <set>
 
 #include "engine/clay/presets.h"
+#include "engine/clay/remesh.h"
 #include "engine/core/error.h"
 #include "engine/core/median.h"
 #include "engine/hand/tracker.h"
@@ -450,6 +451,17 @@ StageTiming timeFrame(Scene& scene, int voxels) {
           median(wall_ms), double(scene.gpu_rig.pixels()), "pixels to surface"};
 }
 
+/// On the CPU, on demand: from a preset's cage to a new one.
+StageTiming timeRemesh(const Scene& scene) {
+  const PolygonMesh cage = presetCage("vase");
+  const RemeshOptions options;
+  std::vector<double> wall_ms;
+  for (double spent_ms = 0; wall_ms.size() < 3 || (wall_ms.size() < 10 && spent_ms < scene.stage_ms);
+       spent_ms += wall_ms.back())
+    wall_ms.push_back(wallMs([&] { remesh(fineSurface(cage, options.rule, options), options); }));
+  return {"remesh", "CPU", 0, median(wall_ms), double(options.faces), "faces"};
+}
+
 }  // namespace
 
 std::vector<StageTiming> benchStages(Gpu& gpu, const BenchOptions& options) {
@@ -465,6 +477,7 @@ std::vector<StageTiming> benchStages(Gpu& gpu, const BenchOptions& options) {
   timeSurface(scene, 6, " fine", timings);
   timings.push_back(timeSolve(scene));
   timings.push_back(timeClay(scene));
+  timings.push_back(timeRemesh(scene));
   timings.push_back(timeFrame(scene, options.voxels));
   return timings;
 }

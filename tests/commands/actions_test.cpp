@@ -59,6 +59,19 @@ TEST(ActionsFile, HandsAreReadAsWritten) {
   }
 }
 
+TEST(ActionsFile, RemeshKeepsItsFaces) {
+  TemporaryFolder folder;
+  Action remesh{.kind = Action::Kind::kRemesh};
+  remesh.faces = 2345;
+  const auto file = folder.write("actions.txt", linesOf(kMouseHeader) + lineOf(remesh) + kActionsEnd);
+  const Actions actions = readActions(file);
+  ASSERT_EQ(actions.after.size(), 1u);
+  EXPECT_EQ(actions.after[0].kind, Action::Kind::kRemesh);
+  EXPECT_EQ(actions.after[0].faces, 2345);
+  folder.write("actions.txt", linesOf(kMouseHeader) + "remesh\n");
+  EXPECT_NE(messageOf([&] { readActions(file); }).find("how many faces"), std::string::npos);
+}
+
 TEST(ActionsFile, ErrorsNameFileLineAndWhatIsExpected) {
   TemporaryFolder folder;
   const auto message = [&](const std::string& hands) {

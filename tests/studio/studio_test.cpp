@@ -270,6 +270,41 @@ TEST_F(Studio, ReplayReproducesMouseSession) {
   EXPECT_TRUE(sameClay(Document::open(at("c.clay")).state(), once.state()));
 }
 
+TEST_F(Studio, RemeshIsOneEditThatReplays) {
+  folder.write("config/airclay/studio.toml",
+               "first_run = false\nfolder = '" + folder.path().string() + "'\n");
+  start({"--clay", "ball", "--save", at("a.clay")});
+  const int before = log()["control_points"];
+  desktop->key("ctrl+r");
+  ASSERT_TRUE(sees([](const json& line) { return line["recording"] == true; })) << log();
+  desktop->key("m");
+  ASSERT_TRUE(seesCounts(1, 0)) << log();
+  const int remeshed = log()["control_points"];
+  EXPECT_NEAR(remeshed, 1600, 50);
+  desktop->key("ctrl+z");
+  ASSERT_TRUE(seesCounts(0, 1)) << log();
+  EXPECT_EQ(log()["control_points"], before);
+  desktop->key("ctrl+shift+z");
+  ASSERT_TRUE(seesCounts(1, 0)) << log();
+  EXPECT_EQ(log()["control_points"], remeshed);
+  desktop->key("ctrl+r");
+  ASSERT_TRUE(seesNote("recorded ")) << log();
+  close();
+  const Document once = Document::open(at("a.clay"));
+  EXPECT_EQ(namesOf(once), (Strings{"New ball", ">Remesh"}));
+  const RunResult result =
+      runAirclay({"sculpt", recorded(), "--headless", "--save", at("b.clay"), "--out", at("out")},
+                 {.environment = {{"AIRCLAY_VALIDATION", "1"}}});
+  ASSERT_EQ(result.status, 0) << result.errors;
+  EXPECT_TRUE(sameClay(Document::open(at("b.clay")).state(), once.state()));
+
+  startWithoutHint({"--save", at("tube.clay")});
+  desktop->key("m");
+  EXPECT_TRUE(seesNote("the surface is open")) << log();
+  EXPECT_TRUE(seesCounts(0, 0)) << log();
+  close();
+}
+
 /// A slightly wavy grid with this number of points per side: large, and fast to write.
 std::string gridObj(int side) {
   std::string text;
