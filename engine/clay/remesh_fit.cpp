@@ -135,6 +135,11 @@ void approachSamples(const Subdivision& subdivision, const std::vector<Triangle>
       for (const int corner : mesh.triangles[std::size_t(tree.originalIndex(hits[i].triangle))])
         if (pull.squaredNorm() > pulls[std::size_t(corner)].squaredNorm()) pulls[std::size_t(corner)] = pull;
     }
+    // The surface moves only around the distant samples: the others need no search again.
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < samples.size(); ++i)
+      if (hits[i].distance > tolerance_m / 2) samples[kept++] = samples[i];
+    samples.resize(kept);
     for (Eigen::Index j = 0; j < by_control_point.rows(); ++j) {
       Vec3 sum = Vec3::Zero();
       double weights = 0;
