@@ -60,6 +60,9 @@ struct Pipeline::Parts {
   Carver carver;
   HandTracker tracker;
   bool is_robust;
+  bool keeps_hull = false;             ///< in frames whose tracking does not use it
+  bool hull_is_current = true;         ///< the voxel model is that of the last frame
+  std::uint32_t missing_cameras = 0;   ///< of the last frame
   std::unique_ptr<RobustTracker> robust;    ///< also has the evidence for room silhouettes
   std::unique_ptr<MaskImages> mask_images;  ///< what the robust fit uses in place of images
   bool masks_are_background = false;        ///< the evidence's background is that of mask_images
@@ -121,8 +124,13 @@ struct Pipeline::Parts {
         silhouettes.record(recorder, images);
       }
     }
+    recordCarving(input.missing_cameras);
+  }
+
+  void recordCarving(std::uint32_t missing) {
     recorder.stage("carve");
-    carver.record(recorder, silhouettes.masks(), input.missing_cameras);
+    carver.record(recorder, silhouettes.masks(), missing);
+    hull_is_current = true;
   }
 
   /// What the robust tracker uses: the images, or masks as images.
@@ -199,7 +207,7 @@ struct Pipeline::Parts {
     robust->forget();
   }
 
-  /// Masks for the hull, and their evidence.
+  /// The evidence, of masks or images; and the hull, if it is kept.
   void recordSilhouettes(bool from_images, const FrameInput& input, bool whole) {
     recorder.stage("silhouette");
     const bool is_room = from_images && method == SilhouetteMethod::kRoom;
@@ -210,8 +218,17 @@ struct Pipeline::Parts {
     else
       robust->recordEvidence(recorder, frameOf(from_images, input));
     if (is_room) robust->evidence().recordMasks(recorder, silhouettes.masks());
-    recorder.stage("carve");
-    carver.record(recorder, silhouettes.masks(), input.missing_cameras);
+    hull_is_current = false;
+    missing_cameras = input.missing_cameras;
+    if (keeps_hull) recordCarving(missing_cameras);
+  }
+
+  /// The last frame's voxel model, if it was not kept.
+  void updateHull() {
+    if (hull_is_current) return;
+    recorder.begin(Timing::kNone);
+    recordCarving(missing_cameras);
+    recorder.submitAndWait();
   }
 
   void recordRobustFit(const RobustTracker::Frame& frame, const std::optional<SculptControls>& controls) {
@@ -364,6 +381,14 @@ FrameResult Pipeline::processSilhouettes(const std::vector<Silhouette>& masks, c
 
 FrameResult Pipeline::sculptWith(std::span<const HandPose> hands, const SculptControls& controls) {
   return parts_->sculptWith(hands, controls);
+}
+
+void Pipeline::keepHull(bool keep) {
+  parts_->keeps_hull = keep;
+}
+
+void Pipeline::updateHull() {
+  parts_->updateHull();
 }
 
 void Pipeline::setClay(const std::optional<ClayState>& clay) {

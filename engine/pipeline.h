@@ -64,8 +64,8 @@ struct FrameResult {
   ClayStep clay;
   bool searched = false;  ///< the hand was searched for in all orientations, which takes longer
   double frame_ms = 0;    ///< wall time from pixels in memory to the result
-  /// Device time of the stages silhouette, carve, fit and, with clay, clay; empty in frames that are not
-  /// timed (PipelineOptions).
+  /// Device time of the stages silhouette, carve (of frames that compute the voxel model), fit and, with clay,
+  /// clay; empty in frames that are not timed (PipelineOptions).
   StageTimes stage_ms;
 
   HandState state() const;
@@ -107,6 +107,12 @@ class Pipeline {
   void hullFromImages(const FrameInput& input = {});
   void hullFromSilhouettes(const std::vector<Silhouette>& masks, const FrameInput& input = {});
 
+  /// The robust fit does not use the voxel model. Whether each frame computes it all the same, for display;
+  /// initially not.
+  void keepHull(bool keep);
+  /// Computes the last frame's voxel model, unless the frame has.
+  void updateHull();
+
   /// Replaces or removes the clay; references to the old one become invalid. The tracker keeps its state. To
   /// change only control points, use Clay::setControlPoints(). \throw Error like Clay; then the old clay
   /// stays.
@@ -135,6 +141,7 @@ class Pipeline {
   /// The evidence for the hand (room silhouettes or robust fit), otherwise null.
   const Evidence* evidence() const;
   const GpuRig& gpuRig() const;
+  /// The voxel model; see keepHull().
   const Carver& carver() const;
   /// \pre there is clay
   Clay& clay();

@@ -299,7 +299,7 @@ void runSculpt(const SculptOptions& options) {
 void demoInWindow(Gpu& gpu, const Job& job, const SculptOptions& options) {
   std::optional<SculptResults> results;
   Session::Options session = job.session;
-  session.on_frame = [&](const Pipeline& pipeline, const PlayedFrame* frame) {
+  session.on_frame = [&](Pipeline& pipeline, const PlayedFrame* frame) {
     if (!results) results.emplace(gpu, pipeline, session.recording, job.sculpting);
     if (frame) return results->add(*frame);
     results->finish(pipeline);

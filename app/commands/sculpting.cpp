@@ -37,7 +37,7 @@ class ClayFigures {
 /// Renders the stills and the video during sculpting.
 class Film {
  public:
-  Film(Gpu& gpu, const Pipeline& pipeline, const Sculpting& sculpting, double rate_hz)
+  Film(Gpu& gpu, Pipeline& pipeline, const Sculpting& sculpting, double rate_hz)
       : images_(gpu, pipeline, sculpting.clay, sculpting.forearm), out_(sculpting.out) {
     if (sculpting.video)
       video_.emplace(*sculpting.video, VideoWriter::Options{SculptRenderer::kSize, rate_hz});
@@ -72,7 +72,7 @@ class Film {
 }  // namespace
 
 struct SculptResults::Parts {
-  Parts(Gpu& gpu, const Pipeline& pipeline, const Recording* of_recording, const Sculpting& of_sculpting)
+  Parts(Gpu& gpu, Pipeline& pipeline, const Recording* of_recording, const Sculpting& of_sculpting)
       : recording(of_recording),
         sculpting(of_sculpting),
         film(gpu, pipeline, sculpting, recording ? recording->rateHz() : kMouseRateHz) {}
@@ -83,7 +83,7 @@ struct SculptResults::Parts {
   ClayFigures clay;
 };
 
-SculptResults::SculptResults(Gpu& gpu, const Pipeline& pipeline, const Recording* recording,
+SculptResults::SculptResults(Gpu& gpu, Pipeline& pipeline, const Recording* recording,
                              const Sculpting& sculpting)
     : parts_(std::make_unique<Parts>(gpu, pipeline, recording, sculpting)) {}
 SculptResults::~SculptResults() = default;
@@ -94,7 +94,7 @@ void SculptResults::add(const PlayedFrame& frame) {
   parts_->film.take(frame.result);
 }
 
-void SculptResults::finish(const Pipeline& pipeline) {
+void SculptResults::finish(Pipeline& pipeline) {
   const Sculpting& sculpting = parts_->sculpting;
   parts_->film.finish();
   writeObj(sculpting.out / "surface.obj", pipeline.clay().surface());
@@ -120,7 +120,7 @@ void sculptHeadless(Gpu& gpu, const Session::Options& options, const Sculpting& 
   session_options.headless = true;
   session_options.settings.tool = controls.tool;
   session_options.settings.symmetry = controls.symmetry;
-  session_options.on_frame = [&](const Pipeline& pipeline, const PlayedFrame* frame) {
+  session_options.on_frame = [&](Pipeline& pipeline, const PlayedFrame* frame) {
     if (!results) results.emplace(gpu, pipeline, options.recording, sculpting);
     if (frame) results->add(*frame);
     progress->advance();

@@ -29,12 +29,12 @@ struct Sculpting {
 class SculptResults {
  public:
   /// `recording` and `sculpting` must outlive this; a null recording means the mouse hand.
-  SculptResults(Gpu& gpu, const Pipeline& pipeline, const Recording* recording, const Sculpting& sculpting);
+  SculptResults(Gpu& gpu, Pipeline& pipeline, const Recording* recording, const Sculpting& sculpting);
   ~SculptResults();
 
   void add(const PlayedFrame& frame);
   /// Writes the remaining files.
-  void finish(const Pipeline& pipeline);
+  void finish(Pipeline& pipeline);
   void printLine(const CommonOptions& options) const;
 
  private:

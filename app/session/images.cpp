@@ -46,7 +46,7 @@ SceneHand DrawnHand::at(const Pose& workspace_from_hand) const {
   return hand;
 }
 
-SculptRenderer::SculptRenderer(Gpu& gpu, const Pipeline& pipeline, const ClayState& clay,
+SculptRenderer::SculptRenderer(Gpu& gpu, Pipeline& pipeline, const ClayState& clay,
                                const std::optional<TriangleMesh>& forearm)
     : pipeline_(pipeline),
       painter_(gpu, kSize),
@@ -88,6 +88,7 @@ RgbaImage SculptRenderer::workings(std::span<const HandPose> hands) {
   const Clay& clay = pipeline_.clay();
   Scene all = scene(hands);
   const double edge_m = all.workspace.edge_m;
+  pipeline_.updateHull();
   all.voxels = &pipeline_.carver();
   all.strokes = {cubeEdges(all.workspace), cameraFrusta(pipeline_.rig(), edge_m / 6)};
   SceneStrokes cage = meshEdges(clay.cage(), all.workspace);

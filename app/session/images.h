@@ -49,7 +49,7 @@ class SculptRenderer {
   static constexpr ImageSize kSize = {960, 540};
 
   /// `pipeline` must outlive this and contain `clay`.
-  SculptRenderer(Gpu& gpu, const Pipeline& pipeline, const ClayState& clay,
+  SculptRenderer(Gpu& gpu, Pipeline& pipeline, const ClayState& clay,
                  const std::optional<TriangleMesh>& forearm);
   /// The current clay and the first of `hands`.
   RgbaImage frame(std::span<const HandPose> hands);
@@ -59,7 +59,7 @@ class SculptRenderer {
  private:
   Scene scene(std::span<const HandPose> hands);
 
-  const Pipeline& pipeline_;
+  Pipeline& pipeline_;
   OffscreenRenderer painter_;
   DrawnHand hand_;
   Gpu& gpu_;

@@ -130,6 +130,13 @@ const Carver& Session::carver() const {
   return pipeline_.carver();
 }
 
+void Session::keepHull(bool keep) {
+  post([this, keep] {
+    pipeline_.keepHull(keep);
+    if (keep) pipeline_.updateHull();
+  });
+}
+
 void Session::post(std::function<void()> command) {
   const std::lock_guard lock(mutex_);
   commands_.push_back(std::move(command));

@@ -113,7 +113,7 @@ class Session {
     const Replay* replay = nullptr;   ///< `recording` plays its take; null with the mouse hand
     bool headless = false;            ///< run without pacing; stop at the recording's end or the first error
     /// Called on the session's thread after every frame, and once at the end without a frame.
-    std::function<void(const Pipeline&, const PlayedFrame*)> on_frame;
+    std::function<void(Pipeline&, const PlayedFrame*)> on_frame;
     std::function<void()> wake;  ///< called from the session's thread when there is a new snapshot
   };
 
@@ -187,6 +187,8 @@ class Session {
   const Rig& rig() const { return options_.rig; }
   const HandModel& hand() const { return options_.hand; }
   const Carver& carver() const;
+  /// Whether to compute the voxel model in every frame, and of the current one at once.
+  void keepHull(bool keep);
 
  private:
   void run();

@@ -242,6 +242,7 @@ class Studio {
                              settings_.filtered};
     settings.clutch_down = !io.WantTextInput && ImGui::IsKeyDown(settings_.clutch_key);
     session_.set(settings);
+    if (settings_.show_voxels != hull_kept_) session_.keepHull(hull_kept_ = settings_.show_voxels);
     if (!session_.hasRecording()) session_.setMouseHand(mouse_hand_);
   }
 
@@ -436,6 +437,7 @@ class Studio {
   std::ofstream log_;
   bool show_help_ = false, turning_clay_ = false, paused_ = false;
   std::uint64_t drawn_serial_ = 0;
+  bool hull_kept_ = false;  ///< by the session, for display
   Clock::time_point last_change_ = Clock::now(), last_image_ = Clock::now(), last_frame_{}, last_log_{},
                     settings_at_{};
 };

@@ -224,7 +224,7 @@ std::vector<ScoredPose> HandSearch::candidates(Recorder& recorder, const Evidenc
                                                std::size_t per_end, StageTimes& stage_ms) {
   const std::uint32_t cameras = rig_.cameraCount();
   recorder.begin();
-  recorder.stage("fit");
+  recorder.stage("carve");
   SearchShrinkArgs shrink{};
   shrink.cameras = rig_.cameras();
   shrink.evidence = evidence.evidence();

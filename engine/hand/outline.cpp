@@ -74,7 +74,30 @@ std::vector<GpuOutlineEdge> skinEdges(const TriangleMesh& mesh, const std::vecto
   return edges;
 }
 
-/// Points on the skin, no farther apart than the spacing.
+/// Leaves out points closer than this to another one.
+std::vector<Vec3> thinned(const std::vector<Vec3>& points, double distance_m) {
+  using Place = std::array<int, 3>;
+  const auto placeOf = [&](const Vec3& point) {
+    const Eigen::Vector3i place = (point / distance_m).array().floor().cast<int>();
+    return Place{place.x(), place.y(), place.z()};
+  };
+  std::map<Place, std::vector<Vec3>> kept_at;
+  std::vector<Vec3> kept;
+  for (const Vec3& point : points) {
+    const Place place = placeOf(point);
+    bool is_new = true;
+    for (int k = 0; k < 27 && is_new; ++k)
+      if (const auto near = kept_at.find({place[0] + k % 3 - 1, place[1] + k / 3 % 3 - 1, place[2] + k / 9 - 1});
+          near != kept_at.end())
+        is_new = std::ranges::none_of(near->second, [&](const Vec3& other) { return (other - point).norm() < distance_m; });
+    if (!is_new) continue;
+    kept_at[place].push_back(point);
+    kept.push_back(point);
+  }
+  return kept;
+}
+
+/// Points on the skin; no place is farther than the spacing from one.
 std::vector<Vec3> skinPoints(const TriangleMesh& mesh, double spacing_m) {
   std::vector<Vec3> points = mesh.vertices;
   for (const auto& [a, b, c] : mesh.triangles) {
@@ -107,7 +130,8 @@ OutlineModel outlineModel(const HandModel& hand) {
   for (const auto& [a, b, c] : mesh.triangles)
     model.triangles.push_back({{std::uint32_t(a), std::uint32_t(b), std::uint32_t(c)}});
   model.edges = skinEdges(mesh, is_cut);
-  for (const Vec3& point : skinPoints(mesh, OutlineModel::kPointSpacing_m))
+  for (const Vec3& point :
+       thinned(skinPoints(mesh, OutlineModel::kPointSpacing_m), OutlineModel::kPointSpacing_m))
     model.points.push_back(relative(point));
   const Vec3 wrist = restPosition(hand, "wrist") - model.center_of_mass;
   const Vec3 knuckle = restPosition(hand, "middle-finger-phalanx-proximal") - model.center_of_mass;
@@ -236,7 +260,7 @@ void OutlineFitter::record(Recorder& recorder, const GpuOutlineFrame& frame, con
     coarse.reach = static_cast<std::uint32_t>(stage.reach);
     coarse.spread = static_cast<float>(stage.spread);
     for (int step = 0; step < stage.steps; ++step) {
-      recordOutline(recorder, step == 0);
+      recordOutline(recorder, stage.finds_edges && step == 0);
       if (stage.fine)
         recorder.dispatch(fine_, fine, groups, cameras);
       else

@@ -19,23 +19,24 @@ struct OutlineModel {
   std::vector<vec3> vertices;          ///< from the centre of mass, metres
   std::vector<GpuTriangle> triangles;  ///< of the closed skin
   std::vector<GpuOutlineEdge> edges;   ///< between two triangles of skin, not of the cut at the wrist
-  std::vector<vec3> points;            ///< on the skin, at most kPointSpacing_m apart
+  std::vector<vec3> points;            ///< on the skin; neighbours are about kPointSpacing_m apart
   Vec3 center_of_mass = Vec3::Zero();  ///< hand frame, metres
   Vec3 to_forearm = Vec3::Zero();      ///< unit, from the middle finger's knuckle to the wrist
   Vec3 arm_from = Vec3::Zero(), arm_to = Vec3::Zero();  ///< ends of the forearm's axis
   double radius_m = 0;  ///< largest distance of the skin from the centre of mass
 
-  static constexpr double kPointSpacing_m = 0.006;
+  static constexpr double kPointSpacing_m = 0.004;
 };
 
 OutlineModel outlineModel(const HandModel& hand);
 
-/// A number of Gauss-Newton steps of the same kind. The silhouette edges are found before the first one.
+/// A number of Gauss-Newton steps of the same kind.
 struct OutlineStage {
   int steps = 0;
   bool fine = false;
   int reach = 0;      ///< pixels, coarse stages only
   double spread = 0;  ///< standard deviation of the expected offset in pixels, coarse stages only
+  bool finds_edges = true;  ///< before the first step; otherwise the edges are those of the stage before
 };
 
 /// The scale of the hand relative to its model: fixed, or estimated with a Gaussian prior of its logarithm.

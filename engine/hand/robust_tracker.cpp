@@ -17,12 +17,12 @@ constexpr double kFastest_m_s = 3, kFastest_rad_s = 30;
 
 // Following with a known motion, after a search, and refining a candidate of the search. Reach and spread in
 // pixels.
-constexpr OutlineStage kFollow[] = {{3, false, 24, 10}, {2, false, 10, 4}, {2, true, 0, 0}, {1, true, 0, 0}};
-constexpr OutlineStage kCatch[] = {{2, false, 40, 20}, {2, false, 40, 20}, {2, false, 20, 8},
-                                   {2, false, 10, 4},  {1, false, 10, 4},  {2, true, 0, 0},
-                                   {1, true, 0, 0}};
+constexpr OutlineStage kFollow[] = {{2, false, 24, 10}, {1, false, 10, 4, false}, {2, true}, {1, true}};
+constexpr OutlineStage kCatch[] = {
+    {2, false, 40, 20}, {2, false, 40, 20}, {2, false, 20, 8}, {2, false, 10, 4}, {1, false, 10, 4},
+    {2, true},          {1, true}};
 constexpr OutlineStage kRefine[] = {
-    {2, false, 40, 20}, {2, false, 40, 20}, {2, false, 20, 8}, {2, false, 10, 4}, {1, true, 0, 0}};
+    {2, false, 40, 20}, {2, false, 40, 20}, {2, false, 20, 8}, {2, false, 10, 4}, {1, true}};
 constexpr std::size_t kCandidatesPerEnd = 4;
 // A pose of the search is chosen by its score, less this times its outline's agreement.
 constexpr double kAgreementWeight = 0.1;
@@ -265,7 +265,7 @@ bool RobustTracker::search(Recorder& recorder, const Frame& frame, StageTimes& s
   // learn the colours from the best pose
   recorder.begin();
   recorder.stage("fit");
-  constexpr OutlineStage kOutlineOnly[] = {{1, true, 0, 0}};
+  constexpr OutlineStage kOutlineOnly[] = {{1, true}};
   recordFit(recorder, frame, poses[std::size_t(best)], kOutlineOnly);
   for (std::uint32_t camera = 0; camera < rig_.cameraCount(); ++camera)
     if ((frame.missing_cameras >> camera & 1) == 0)

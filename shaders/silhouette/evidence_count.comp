@@ -41,6 +41,7 @@ void main() {
   const vec2 along = to.xy - from.xy;
   const uint first_cell = cellIndex(tiles, first_x, y);
   const uint evidence = args.evidence.at[first_cell / 4];
+  uint totals[2] = uint[2](0, 0);
   for (uint x = 0; x < kTileCells; ++x) {
     const uint inside = 0x3fu << (2 * (x + uint(kOutsideCells) - uint(kInsideCells))), near = 0x3ffffu << (2 * x);
     const vec2 offset = vec2(2 * (first_x + x) + 0.5, 2 * y + 0.5) - from.xy;
@@ -51,6 +52,8 @@ void main() {
     if (histogram == 2) continue;
     const uint bin = colourBin(unpackColour(args.colours.at[first_cell + x]));
     atomicAdd(args.counts.at[histogram * kColourCounts + bin], 1);
-    atomicAdd(args.counts.at[histogram * kColourCounts + kColourTable], 1);
+    ++totals[histogram];
   }
+  for (uint histogram = 0; histogram < 2; ++histogram)
+    if (totals[histogram] > 0) atomicAdd(args.counts.at[histogram * kColourCounts + kColourTable], totals[histogram]);
 }
