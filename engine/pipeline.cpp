@@ -60,9 +60,9 @@ struct Pipeline::Parts {
   Carver carver;
   HandTracker tracker;
   bool is_robust;
-  bool keeps_hull = false;             ///< in frames whose tracking does not use it
-  bool hull_is_current = true;         ///< the voxel model is that of the last frame
-  std::uint32_t missing_cameras = 0;   ///< of the last frame
+  bool keeps_hull = false;                  ///< in frames whose tracking does not use it
+  bool hull_is_current = true;              ///< the voxel model is that of the last frame
+  std::uint32_t missing_cameras = 0;        ///< of the last frame
   std::unique_ptr<RobustTracker> robust;    ///< also has the evidence for room silhouettes
   std::unique_ptr<MaskImages> mask_images;  ///< what the robust fit uses in place of images
   bool masks_are_background = false;        ///< the evidence's background is that of mask_images

@@ -64,8 +64,8 @@ struct FrameResult {
   ClayStep clay;
   bool searched = false;  ///< the hand was searched for in all orientations, which takes longer
   double frame_ms = 0;    ///< wall time from pixels in memory to the result
-  /// Device time of the stages silhouette, carve (of frames that compute the voxel model), fit and, with clay,
-  /// clay; empty in frames that are not timed (PipelineOptions).
+  /// Device time of the stages silhouette, carve (of frames that compute the voxel model), fit and, with
+  /// clay, clay; empty in frames that are not timed (PipelineOptions).
   StageTimes stage_ms;
 
   HandState state() const;

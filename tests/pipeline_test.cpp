@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <iostream>
+#include <random>
 
 #include "capture/takes/synthetic.h"
 #include "engine/clay/presets.h"
@@ -179,6 +180,7 @@ TEST(Pipeline, ClayStaysWithoutHandOrClutch) {
 
 TEST(Pipeline, TimesStagesAndTheWholeFrame) {
   Session session;
+  session.pipeline.keepHull(true);
   session.process(36);
   const FrameResult result = session.process(37);
   std::vector<std::string> names;
@@ -209,6 +211,77 @@ TEST(Pipeline, MasksReplaceSegmentation) {
   }
   EXPECT_LE(median(shifts_m), 0.002);
   EXPECT_LE(median(turns_degrees), 1);
+}
+
+/// Flips pixels chosen at random.
+void flip(std::vector<Silhouette>& masks, double fraction, std::mt19937& random) {
+  std::bernoulli_distribution flips(fraction);
+  for (Silhouette& mask : masks)
+    for (std::uint8_t& pixel : mask.pixels)
+      if (flips(random)) pixel = static_cast<std::uint8_t>(255 - pixel);
+}
+
+TEST(Pipeline, TracksMasksWithFlippedPixels) {
+  HandCameras cameras;
+  const HandScript script = demoScript();
+  Pipeline pipeline(testGpu(), cameras.rig().rig(), builtInHand(false));
+  std::mt19937 random(7);
+  std::vector<double> shifts_m, turns_degrees;
+  for (int frame = 10; frame < 40; frame += 2) {
+    const Pose truth = *script.at(frame / 30.0);
+    std::vector<Silhouette> masks = cameras.masks(truth);
+    flip(masks, 0.02, random);
+    const FrameResult result = pipeline.trackSilhouettes(masks);
+    ASSERT_EQ(result.state(), HandState::kTracked) << "frame " << frame;
+    const PoseError error = poseError(result.trackedHand()->pose.world_from_hand, truth, Vec3::Zero());
+    shifts_m.push_back(error.shift_m);
+    turns_degrees.push_back(error.turn_degrees);
+  }
+  EXPECT_LE(median(shifts_m), 0.002);
+  EXPECT_LE(median(turns_degrees), 1);
+}
+
+TEST(Pipeline, FindsAHandThatReturns) {
+  HandCameras cameras;
+  const HandScript script = demoScript();
+  Pipeline pipeline(testGpu(), cameras.rig().rig(), builtInHand(false));
+  const auto stateAt = [&](int frame, bool there) {
+    std::vector<Silhouette> masks = cameras.masks(*script.at(frame / 30.0));
+    for (Silhouette& mask : masks)
+      if (!there) std::ranges::fill(mask.pixels, std::uint8_t{0});
+    const FrameResult result = pipeline.trackSilhouettes(masks);
+    if (result.state() != HandState::kTracked) return result.state();
+    const PoseError error =
+        poseError(result.trackedHand()->pose.world_from_hand, *script.at(frame / 30.0), Vec3::Zero());
+    EXPECT_LT(error.shift_m, 0.01) << "frame " << frame;
+    return result.state();
+  };
+  for (int frame = 10; frame < 14; ++frame) EXPECT_EQ(stateAt(frame, true), HandState::kTracked);
+  for (int frame = 14; frame < 20; ++frame) EXPECT_EQ(stateAt(frame, false), HandState::kEmpty);
+  // within three frames
+  HandState state = HandState::kEmpty;
+  for (int frame = 30; frame < 33; ++frame) state = stateAt(frame, true);
+  EXPECT_EQ(state, HandState::kTracked);
+}
+
+TEST(Pipeline, HullOfTheRobustFitIsComputedOnDemand) {
+  HandCameras cameras;
+  Pipeline pipeline(testGpu(), cameras.rig().rig(), builtInHand(false), {.voxels = 64});
+  const HandScript script = demoScript();
+  const auto hullAt = [&](int frame) {
+    const std::vector<Silhouette> masks = cameras.masks(*script.at(frame / 30.0));
+    pipeline.trackSilhouettes(masks);
+    return carveReference(cameras.rig().rig(), masks, 64).occupied;
+  };
+  const auto expected = hullAt(10);
+  pipeline.updateHull();
+  EXPECT_EQ(pipeline.carver().download().occupied, expected);
+  hullAt(20);
+  EXPECT_EQ(pipeline.carver().download().occupied, expected);  // not of this frame
+  pipeline.keepHull(true);
+  const auto later = hullAt(30);
+  EXPECT_NE(later, expected);
+  EXPECT_EQ(pipeline.carver().download().occupied, later);
 }
 
 TEST(Pipeline, GivenHandSculptsWithoutCameras) {

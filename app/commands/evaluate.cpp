@@ -47,11 +47,22 @@ std::vector<std::string> namesOf(const std::vector<std::string>& takes) {
   return names;
 }
 
-/// What tracking found in a frame, next to the truth.
-EvaluatedFrame evaluatedFrame(const PlayedFrame& frame, const Pose& truth) {
-  EvaluatedFrame evaluated{frame.frame, frame.time_s, std::nullopt, false, truth};
-  if (const HandFit* fit = frame.result.trackedHand(); fit && fit->pose.world_from_hand.matrix().allFinite())
+/// What tracking found in a frame, next to the truth. `center_from_mass`: from the hand's centre of mass to
+/// its centre, hand frame, metres.
+EvaluatedFrame evaluatedFrame(const PlayedFrame& frame, const Pose& truth, const Vec3& center_from_mass) {
+  EvaluatedFrame evaluated{frame.frame, frame.time_s, std::nullopt, false, truth, std::nullopt};
+  if (const HandFit* fit = frame.result.trackedHand();
+      fit && fit->pose.world_from_hand.matrix().allFinite()) {
     evaluated.estimate = fit->pose.world_from_hand;
+    if (!fit->covariance.isZero()) {
+      // a turn t moves the centre by t x offset
+      const Vec3 offset = fit->scale * (fit->pose.world_from_hand.linear() * center_from_mass);
+      Eigen::Matrix<double, 6, 6> moves = Eigen::Matrix<double, 6, 6>::Identity();
+      moves.topRightCorner<3, 3>() << 0, offset.z(), -offset.y(), -offset.z(), 0, offset.x(), offset.y(),
+          -offset.x(), 0;
+      evaluated.covariance = moves * fit->covariance * moves.transpose();
+    }
+  }
   evaluated.is_uncertain = frame.result.state() == HandState::kUncertain;
   return evaluated;
 }
@@ -59,10 +70,11 @@ EvaluatedFrame evaluatedFrame(const PlayedFrame& frame, const Pose& truth) {
 /// Tracks a take; the frames that have ground truth, without those of the empty workspace.
 EvaluatedTake trackWithTruth(Gpu& gpu, Recording& take, const Truth& truth, const TakeTracking& tracking) {
   EvaluatedTake frames;
+  const Vec3 center_from_mass = handCenter(tracking.hand) - massProperties(tracking.hand.skin).centroid;
   trackTake(gpu, take, tracking, [&](const Pipeline&, const PlayedFrame& frame) {
     if (frame.background) return;
     if (const std::optional<Pose> pose = truth.at(frame.time_s, 1 / take.rateHz()))
-      frames.push_back(evaluatedFrame(frame, *pose));
+      frames.push_back(evaluatedFrame(frame, *pose, center_from_mass));
   });
   return frames;
 }
@@ -87,6 +99,9 @@ ordered_json jsonOf(const std::string& name, const Evaluation& evaluation) {
   object["jitter_mm"] = orNull(evaluation.jitter_mm);
   object["jitter_deg"] = orNull(evaluation.jitter_deg);
   object["frames_to_find"] = orNull(evaluation.frames_to_find);
+  for (const auto& [name_, inside] :
+       {std::pair("inside_68_percent", evaluation.inside_68), {"inside_95_percent", evaluation.inside_95}})
+    object[name_] = inside ? ordered_json(100 * *inside) : ordered_json();
   return object;
 }
 
@@ -103,14 +118,16 @@ std::vector<std::string> rowOf(const std::string& name, const Evaluation& evalua
   add(evaluation.jitter_mm);
   add(evaluation.jitter_deg);
   row.push_back(evaluation.frames_to_find ? std::to_string(*evaluation.frames_to_find) : "-");
+  for (const std::optional<double>& inside : {evaluation.inside_68, evaluation.inside_95})
+    row.push_back(inside ? fixed(100 * *inside, 0) : "-");
   return row;
 }
 
 void printEvaluations(const std::vector<std::string>& names, const std::vector<Evaluation>& evaluations,
                       const std::optional<Evaluation>& total) {
-  std::vector<std::vector<std::string>> table = {{"take", "frames", "tracked", "uncertain", "lost", "wrong",
-                                                  "mm: median", "90 %", "99 %", "worst", "deg: median",
-                                                  "90 %", "99 %", "worst", "jitter: mm", "deg", "to find"}};
+  std::vector<std::vector<std::string>> table = {
+      {"take", "frames", "tracked", "uncertain", "lost", "wrong", "mm: median", "90 %", "99 %", "worst",
+       "deg: median", "90 %", "99 %", "worst", "jitter: mm", "deg", "to find", "in 68 %", "in 95 %"}};
   for (std::size_t i = 0; i < names.size(); ++i) table.push_back(rowOf(names[i], evaluations[i]));
   if (total) table.push_back(rowOf("total", *total));
   printTable(table);
@@ -263,7 +280,9 @@ void addEvaluate(CLI::App& program, int&) {
       "its "
       "pose is reported as tracked and is more than 10 mm off. Jitter is the RMS deviation from the mean "
       "while "
-      "the true hand is still. \"to find\" counts the frames until the first pose within 10 mm.\n\n"
+      "the true hand is still. \"to find\" counts the frames until the first pose within 10 mm. \"in 68 %\" "
+      "and \"in 95 %\" are the percentages of errors inside the ellipsoids of the poses' covariance that "
+      "should contain so many.\n\n"
       "--synthetic renders a hand over a desk, each take with its own path, colours and rotation of the "
       "world:\n" +
       listOfRooms() +

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "capture/takes/evaluation.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -11,6 +12,13 @@ namespace airclay {
 namespace {
 
 constexpr double kDegPerRad = 180 / std::numbers::pi;
+// Quantiles of the chi-squared distribution with 6 degrees of freedom.
+constexpr double kQuantile68 = 7.006, kQuantile95 = 12.592;
+
+double fractionBelow(const std::vector<double>& values, double limit) {
+  return static_cast<double>(std::ranges::count_if(values, [&](double value) { return value < limit; })) /
+         static_cast<double>(values.size());
+}
 
 PoseError difference(const Pose& a, const Pose& b, const Vec3& center_in_hand) {
   const Eigen::AngleAxisd turn(Eigen::Quaterniond(a.linear() * b.linear().transpose()));
@@ -83,6 +91,14 @@ std::optional<PoseError> poseError(const EvaluatedFrame& frame, const Vec3& cent
   return difference(*frame.estimate, frame.truth, center_in_hand);
 }
 
+std::optional<double> mahalanobis(const EvaluatedFrame& frame, const Vec3& center_in_hand) {
+  const std::optional<PoseError> error = poseError(frame, center_in_hand);
+  if (!error || !frame.covariance) return std::nullopt;
+  Eigen::Matrix<double, 6, 1> both;
+  both << error->shift_mm / 1000, error->turn_deg / kDegPerRad;
+  return both.dot(frame.covariance->ldlt().solve(both));
+}
+
 double percentile(std::span<const double> sorted, double p) {
   const double place = p * static_cast<double>(sorted.size() - 1);
   const auto below = static_cast<std::size_t>(place);
@@ -92,7 +108,7 @@ double percentile(std::span<const double> sorted, double p) {
 
 Evaluation evaluate(std::span<const EvaluatedTake> takes, const Vec3& center_in_hand) {
   Evaluation result;
-  std::vector<double> mm, deg;
+  std::vector<double> mm, deg, distances;
   Jitter shift_mm, turn_deg;
   for (const EvaluatedTake& take : takes) {
     for (const EvaluatedFrame& frame : take) {
@@ -107,6 +123,9 @@ Evaluation evaluate(std::span<const EvaluatedTake> takes, const Vec3& center_in_
         ++result.uncertain;
       else if (error->mm() > kWrongMm)
         ++result.wrong_tracked;
+      if (const std::optional<double> distance = mahalanobis(frame, center_in_hand);
+          distance && !frame.is_uncertain)
+        distances.push_back(*distance);
       mm.push_back(error->mm());
       deg.push_back(error->deg());
     }
@@ -123,6 +142,10 @@ Evaluation evaluate(std::span<const EvaluatedTake> takes, const Vec3& center_in_
     }
   }
   if (!mm.empty()) result.mm = distributionOf(mm), result.deg = distributionOf(deg);
+  if (!distances.empty()) {
+    result.inside_68 = fractionBelow(distances, kQuantile68);
+    result.inside_95 = fractionBelow(distances, kQuantile95);
+  }
   result.jitter_mm = shift_mm.rms(), result.jitter_deg = turn_deg.rms();
   result.frames_to_find = takes.empty() ? std::nullopt : std::optional(0);
   for (const EvaluatedTake& take : takes) {

@@ -24,6 +24,9 @@ struct EvaluatedFrame {
   std::optional<Pose> estimate;   ///< world_from_hand; empty: lost
   bool is_uncertain = false;      ///< the estimate is reported as not reliable
   Pose truth = Pose::Identity();  ///< world_from_hand
+  /// The estimate's: of the hand's centre in metres and a rotation vector in radians, world axes. Empty: the
+  /// fit gives none.
+  std::optional<Eigen::Matrix<double, 6, 6>> covariance;
 };
 
 /// The error of one estimate, in the world's axes.
@@ -39,6 +42,10 @@ Vec3 handCenter(const HandModel& hand);
 
 /// Empty if the hand is lost.
 std::optional<PoseError> poseError(const EvaluatedFrame& frame, const Vec3& center_in_hand);
+
+/// The squared Mahalanobis distance of the estimate from the truth by its covariance, about 6 in the mean if
+/// the covariance is right. Empty if the hand is lost or the fit gives no covariance.
+std::optional<double> mahalanobis(const EvaluatedFrame& frame, const Vec3& center_in_hand);
 
 /// Value below which the fraction `p` of the values is, interpolated linearly between neighbours. \pre the
 /// values are sorted, at least one, and 0 <= p <= 1
@@ -61,6 +68,9 @@ struct Evaluation {
   /// From the first frame with truth to the first pose within kWrongMm, 0 if that is the first frame; empty
   /// if there is none. Of several takes, the largest.
   std::optional<int> frames_to_find;
+  /// Fraction of the errors inside the ellipsoids that should contain 68 % and 95 % of them, over all poses
+  /// that are not uncertain; empty if none has a covariance.
+  std::optional<double> inside_68, inside_95;
 };
 
 /// The true hand is still if it moves less than this between two frames.

@@ -87,9 +87,11 @@ std::vector<Vec3> thinned(const std::vector<Vec3>& points, double distance_m) {
     const Place place = placeOf(point);
     bool is_new = true;
     for (int k = 0; k < 27 && is_new; ++k)
-      if (const auto near = kept_at.find({place[0] + k % 3 - 1, place[1] + k / 3 % 3 - 1, place[2] + k / 9 - 1});
+      if (const auto near =
+              kept_at.find({place[0] + k % 3 - 1, place[1] + k / 3 % 3 - 1, place[2] + k / 9 - 1});
           near != kept_at.end())
-        is_new = std::ranges::none_of(near->second, [&](const Vec3& other) { return (other - point).norm() < distance_m; });
+        is_new = std::ranges::none_of(near->second,
+                                      [&](const Vec3& other) { return (other - point).norm() < distance_m; });
     if (!is_new) continue;
     kept_at[place].push_back(point);
     kept.push_back(point);

@@ -34,8 +34,8 @@ OutlineModel outlineModel(const HandModel& hand);
 struct OutlineStage {
   int steps = 0;
   bool fine = false;
-  int reach = 0;      ///< pixels, coarse stages only
-  double spread = 0;  ///< standard deviation of the expected offset in pixels, coarse stages only
+  int reach = 0;            ///< pixels, coarse stages only
+  double spread = 0;        ///< standard deviation of the expected offset in pixels, coarse stages only
   bool finds_edges = true;  ///< before the first step; otherwise the edges are those of the stage before
 };
 

@@ -17,10 +17,15 @@ constexpr double kFastest_m_s = 3, kFastest_rad_s = 30;
 
 // Following with a known motion, after a search, and refining a candidate of the search. Reach and spread in
 // pixels.
-constexpr OutlineStage kFollow[] = {{2, false, 24, 10}, {1, false, 10, 4, false}, {2, true}, {1, true}};
-constexpr OutlineStage kCatch[] = {
-    {2, false, 40, 20}, {2, false, 40, 20}, {2, false, 20, 8}, {2, false, 10, 4}, {1, false, 10, 4},
-    {2, true},          {1, true}};
+constexpr OutlineStage kFollow[] = {{3, false, 24, 10}, {2, false, 10, 4}, {2, true}, {1, true}};
+// The same where the motion is as expected: the hand was within kExpected of its prediction in the last
+// frame.
+constexpr OutlineStage kFollowExpected[] = {
+    {1, false, 24, 10}, {1, false, 10, 4, false}, {2, true}, {1, true}};
+constexpr double kExpected_m = 0.004;
+constexpr OutlineStage kCatch[] = {{2, false, 40, 20}, {2, false, 40, 20}, {2, false, 20, 8},
+                                   {2, false, 10, 4},  {1, false, 10, 4},  {2, true},
+                                   {1, true}};
 constexpr OutlineStage kRefine[] = {
     {2, false, 40, 20}, {2, false, 40, 20}, {2, false, 20, 8}, {2, false, 10, 4}, {1, true}};
 constexpr std::size_t kCandidatesPerEnd = 4;
@@ -45,11 +50,13 @@ constexpr int kUncertainLimit = 3;  // frames, then the hand is searched for
 // Weight of new colours while one camera learns per frame.
 constexpr double kLearningRate = 0.4;
 
-// The lines' errors are correlated along the outline and across steps: a fit tells this fraction of what
-// independent lines would. What all lines share, the bias of shaded edges and of the model, does not average
-// out. Both from the errors on rendered rooms.
-constexpr double kLineIndependence = 0.05;
-constexpr double kBiasShift_m = 0.0002, kBiasTurn_rad = 0.002;
+// A line's weight is cautious: it tells this multiple of it. What all lines share, the bias of shaded edges
+// and of the model, does not average out. A hand that moves otherwise than expected is blurred otherwise than
+// expected, is elsewhere at each camera's own time, and leaves the fit a longer way to go: errors grow in
+// proportion to the surprise. From the errors on rendered rooms.
+constexpr double kLineInformation = 1.5;
+constexpr double kBiasShift_m = 0.00005, kBiasTurn_rad = 0.0017;
+constexpr double kShiftPerSurprise = 0.115, kTurnPerSurprise = 1.15;  // 1 and rad/m
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Matrix7 = Eigen::Matrix<double, 7, 7>;
@@ -63,17 +70,19 @@ Matrix7 informationOf(const GpuOutlineFit& fit) {
   return all;
 }
 
-/// The covariance of position and rotation. A scale that is estimated adds to it.
-Matrix6 covarianceOf(const GpuOutlineFit& fit, const ScalePrior& scale) {
+/// The covariance of position and rotation. A scale that is estimated adds to it. `surprise_m`: how far the
+/// hand was from where it was expected.
+Matrix6 covarianceOf(const GpuOutlineFit& fit, const ScalePrior& scale, double surprise_m) {
   Matrix7 information = informationOf(fit);
-  information(6, 6) += scale.weight / kLineIndependence;
+  information(6, 6) += scale.weight / kLineInformation;
   Matrix6 own = information.topLeftCorner<6, 6>();
   const Eigen::Matrix<double, 6, 1> both = information.topRightCorner<6, 1>();
   if (scale.weight > 0 && information(6, 6) > 0) own -= both * both.transpose() / information(6, 6);
   own.diagonal().array() += 1e-9 * own.trace() + 1e-9;
-  Matrix6 covariance = own.ldlt().solve(Matrix6::Identity()) / kLineIndependence;
-  covariance.diagonal().head<3>().array() += kBiasShift_m * kBiasShift_m;
-  covariance.diagonal().tail<3>().array() += kBiasTurn_rad * kBiasTurn_rad;
+  Matrix6 covariance = own.ldlt().solve(Matrix6::Identity()) / kLineInformation;
+  const auto square = [](double x) { return x * x; };
+  covariance.diagonal().head<3>().array() += square(kBiasShift_m) + square(kShiftPerSurprise * surprise_m);
+  covariance.diagonal().tail<3>().array() += square(kBiasTurn_rad) + square(kTurnPerSurprise * surprise_m);
   return covariance;
 }
 
@@ -215,10 +224,13 @@ void RobustTracker::recordFit(Recorder& recorder, const Frame& frame, const GpuO
 
 void RobustTracker::recordTracking(Recorder& recorder, const Frame& frame) {
   frame_time_s_ = timeOf(frame);
-  if (frames_ >= 2)
-    recordFit(recorder, frame, expected(frame), kFollow);
+  expected_ = expected(frame);
+  if (frames_ < 2)
+    recordFit(recorder, frame, expected_, kCatch);
+  else if (surprise_m_ > kExpected_m)
+    recordFit(recorder, frame, expected_, kFollow);
   else
-    recordFit(recorder, frame, expected(frame), kCatch);
+    recordFit(recorder, frame, expected_, kFollowExpected);
   OutlineJudgeArgs judge{};
   judge.fit = fitter_.resultBuffer();
   judge.hand = hands_;
@@ -285,7 +297,9 @@ HandFit RobustTracker::finish() {
   const bool trusted = device.tracked != 0;
   fit.agreement = agreementOf(found, rig_.cameraCount());
   fit.scale = found.pose.scale;
-  fit.covariance = covarianceOf(found, scale_);
+  surprise_m_ = (found.pose.position - expected_.position).norm() +
+                fitter_.model().radius_m * angleBetween(rotationOf(found.pose), rotationOf(expected_));
+  fit.covariance = covarianceOf(found, scale_, surprise_m_);
   fit.iterations = 0;
   for (const OutlineStage& stage : kFollow) fit.iterations += stage.steps;
   fit.outcome = FitOutcome::kStalled;

@@ -69,7 +69,9 @@ class RobustTracker {
   int scale_frames_ = 0;  ///< that contributed
   Vec3 velocity_ = Vec3::Zero(), spin_ = Vec3::Zero();
   double last_time_s_ = 0, frame_time_s_ = 0;
-  int frames_ = 0;  ///< consecutively tracked; two define a motion
+  GpuOutlinePose expected_ = noOutlinePose();  ///< where the last fit started
+  double surprise_m_ = 0;                      ///< its largest distance from the result, over the skin
+  int frames_ = 0;                             ///< consecutively tracked; two define a motion
   int uncertain_frames_ = 0;
   std::uint32_t next_camera_ = 0;  ///< that learns
   bool was_empty_ = false;         ///< the last search found nothing that could be a hand

@@ -65,10 +65,25 @@ TEST(EvaluateApp, ReportsTheErrorsOfTheTrackedPoses) {
   const json& desk = figures["takes"][0];
   std::vector<std::string> keys;
   for (const auto& [key, value] : desk.items()) keys.push_back(key);
-  std::vector<std::string> expected = {"name",          "frames",        "tracked", "uncertain", "lost",
-                                       "wrong_tracked", "mm_median",     "mm_p90",  "mm_p99",    "mm_worst",
-                                       "deg_median",    "deg_p90",       "deg_p99", "deg_worst", "jitter_mm",
-                                       "jitter_deg",    "frames_to_find"};
+  std::vector<std::string> expected = {"name",
+                                       "frames",
+                                       "tracked",
+                                       "uncertain",
+                                       "lost",
+                                       "wrong_tracked",
+                                       "mm_median",
+                                       "mm_p90",
+                                       "mm_p99",
+                                       "mm_worst",
+                                       "deg_median",
+                                       "deg_p90",
+                                       "deg_p99",
+                                       "deg_worst",
+                                       "jitter_mm",
+                                       "jitter_deg",
+                                       "frames_to_find",
+                                       "inside_68_percent",
+                                       "inside_95_percent"};
   std::sort(expected.begin(), expected.end());
   EXPECT_EQ(keys, expected);
   EXPECT_EQ(desk["name"], "desk");

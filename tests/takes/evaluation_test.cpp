@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include "capture/images/image_file.h"
 #include "capture/takes/evaluation_plot.h"
@@ -48,6 +49,44 @@ Pose displaced(const Pose& truth, const Vec3& shift_m, const Vec3& turn_rad) {
 
 Evaluation evaluationOf(const EvaluatedTake& take) {
   return evaluate({&take, 1}, kCenter);
+}
+
+TEST(Evaluation, CovarianceOfKnownErrorsContainsTheFractionsThatItShould) {
+  // errors drawn from a known covariance whose position and rotation are correlated
+  Eigen::Matrix<double, 6, 6> factor = Eigen::Matrix<double, 6, 6>::Zero();
+  factor.diagonal() << 0.001, 0.002, 0.0005, 0.004, 0.002, 0.008;
+  factor(4, 0) = 0.003;
+  factor(5, 2) = -0.002;
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  EvaluatedTake take = movingTake(4000);
+  for (EvaluatedFrame& frame : take) {
+    Eigen::Matrix<double, 6, 1> error;
+    for (double& value : error) value = normal(random);
+    error = factor * error;
+    frame.estimate = displaced(frame.truth, error.head<3>(), error.tail<3>());
+    frame.covariance = factor * factor.transpose();
+  }
+  const Evaluation right = evaluationOf(take);
+  EXPECT_NEAR(right.inside_68.value(), 0.68, 0.025);
+  EXPECT_NEAR(right.inside_95.value(), 0.95, 0.012);
+  // half the standard deviations: the chi-squared distribution with 6 degrees of freedom at a quarter
+  for (EvaluatedFrame& frame : take) *frame.covariance /= 4;
+  const Evaluation narrow = evaluationOf(take);
+  EXPECT_NEAR(narrow.inside_68.value(), 0.0589, 0.012);
+  EXPECT_NEAR(narrow.inside_95.value(), 0.2099, 0.02);
+  for (EvaluatedFrame& frame : take) frame.covariance.reset();
+  EXPECT_FALSE(evaluationOf(take).inside_68.has_value());
+}
+
+TEST(Evaluation, MahalanobisDistanceIsExact) {
+  EvaluatedTake take = movingTake(1);
+  take[0].covariance = Eigen::Matrix<double, 6, 6>::Identity();
+  take[0].covariance->diagonal() << 1e-6, 4e-6, 1, 1e-4, 1, 1;
+  take[0].estimate = displaced(take[0].truth, Vec3(0.002, 0.002, 0), Vec3(0.03, 0, 0));
+  EXPECT_NEAR(mahalanobis(take[0], kCenter).value(), 4 + 1 + 9, 1e-6);
+  take[0].estimate.reset();
+  EXPECT_FALSE(mahalanobis(take[0], kCenter).has_value());
 }
 
 TEST(Evaluation, PercentilesInterpolateBetweenNeighbours) {
