@@ -99,9 +99,9 @@ ordered_json jsonOf(const std::string& name, const Evaluation& evaluation) {
   object["jitter_mm"] = orNull(evaluation.jitter_mm);
   object["jitter_deg"] = orNull(evaluation.jitter_deg);
   object["frames_to_find"] = orNull(evaluation.frames_to_find);
-  for (const auto& [name_, inside] :
+  for (const auto& [key, inside] :
        {std::pair("inside_68_percent", evaluation.inside_68), {"inside_95_percent", evaluation.inside_95}})
-    object[name_] = inside ? ordered_json(100 * *inside) : ordered_json();
+    object[key] = inside ? ordered_json(100 * *inside) : ordered_json();
   return object;
 }
 

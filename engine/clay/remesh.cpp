@@ -147,8 +147,9 @@ double makeNets(std::vector<Group>& groups, const RemeshOptions& options, double
   constexpr int kTries = 5;
   constexpr double kCloseEnough = 0.01;
   double spacing = edge * std::sqrt(kFacesPerSquare), best_spacing = spacing, best_error = 1e300;
+  double contoured = 0;  // the spacing of the groups' nets
   for (int attempt = 0; attempt < kTries && best_error > kCloseEnough; ++attempt) {
-    const NetSize size = contourAll(groups, spacing);
+    const NetSize size = contourAll(groups, contoured = spacing);
     if (size.quads == 0) {
       spacing *= 0.7;
       continue;
@@ -158,7 +159,7 @@ double makeNets(std::vector<Group>& groups, const RemeshOptions& options, double
     if (error < best_error) best_error = error, best_spacing = spacing;
     if (error > kCloseEnough) spacing *= std::sqrt(ratio);
   }
-  if (spacing != best_spacing) contourAll(groups, best_spacing);
+  if (contoured != best_spacing) contourAll(groups, best_spacing);
   return best_spacing;
 }
 

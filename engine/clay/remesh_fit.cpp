@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "engine/core/parallel.h"
 
@@ -54,6 +55,18 @@ Enclosed enclosedBy(const std::vector<std::array<int, 4>>& quads, const Points& 
   return enclosed;
 }
 
+/// Moves points, one per control point, along the surface's normals at its vertex points, equally far and at
+/// most `farthest`, so that the surface of `control_points` encloses the volume to first order.
+void moveToVolume(const Subdivision& subdivision, const Points& control_points, double volume_m3,
+                  double farthest, std::vector<Vec3>& points) {
+  const Points surface = subdivision.matrix * control_points;
+  const Enclosed now = enclosedBy(subdivision.quads, surface);
+  const double outwards = std::clamp((volume_m3 - now.volume) / now.area, -farthest, farthest);
+  const std::vector<Vec3> normals = dataNormals(subdivision.quads, pointsOf(surface));
+  for (std::size_t i = 0; i < points.size(); ++i)
+    points[i] += outwards * normals[normals.size() - points.size() + i];
+}
+
 double largest(const std::vector<double>& values) {
   return values.empty() ? 0 : *std::max_element(values.begin(), values.end());
 }
@@ -100,12 +113,7 @@ std::vector<Vec3> controlPointsThrough(const Subdivision& subdivision, std::vect
       }
     }
     if (round == kVolumeRounds) return pointsOf(points);
-    const Points surface = subdivision.matrix * points;
-    const Enclosed now = enclosedBy(subdivision.quads, surface);
-    const double outwards = std::clamp((volume_m3 - now.volume) / now.area, -spacing_m / 10, spacing_m / 10);
-    const std::vector<Vec3> normals = dataNormals(subdivision.quads, pointsOf(surface));
-    for (std::size_t i = 0; i < targets.size(); ++i)
-      targets[i] += outwards * normals[normals.size() - targets.size() + i];
+    moveToVolume(subdivision, points, volume_m3, spacing_m / 10, targets);
   }
 }
 
@@ -150,13 +158,8 @@ void approachSamples(const Subdivision& subdivision, const std::vector<Triangle>
       points.row(j) += kApproach / weights * sum.transpose();
     }
   }
-  const Points data = subdivision.matrix * points;
-  const Enclosed now = enclosedBy(subdivision.quads, data);
-  const std::vector<Vec3> normals = dataNormals(subdivision.quads, pointsOf(data));
   control_points = pointsOf(points);
-  for (std::size_t i = 0; i < control_points.size(); ++i)
-    control_points[i] +=
-        (volume_m3 - now.volume) / now.area * normals[normals.size() - control_points.size() + i];
+  moveToVolume(subdivision, points, volume_m3, std::numeric_limits<double>::infinity(), control_points);
 }
 
 double hausdorffDistance(const std::vector<Triangle>& surface, const TriangleMesh& mesh, double step_m) {

@@ -18,7 +18,7 @@ constexpr double kFastest_m_s = 3, kFastest_rad_s = 30;
 // Following with a known motion, after a search, and refining a candidate of the search. Reach and spread in
 // pixels.
 constexpr OutlineStage kFollow[] = {{3, false, 24, 10}, {2, false, 10, 4}, {2, true}, {1, true}};
-// The same where the motion is as expected: the hand was within kExpected of its prediction in the last
+// The same where the motion is as expected: the hand was within kExpected_m of its prediction in the last
 // frame.
 constexpr OutlineStage kFollowExpected[] = {
     {1, false, 24, 10}, {1, false, 10, 4, false}, {2, true}, {1, true}};
@@ -94,6 +94,14 @@ double agreementOf(const GpuOutlineFit& fit, std::uint32_t cameras) {
     good += fit.camera_good[k];
   }
   return length > 0 ? good / length : 0;
+}
+
+/// The plan of a fit that follows `frames` tracked ones, the last of which was `surprise_m` from its
+/// prediction.
+std::span<const OutlineStage> stagesAfter(int frames, double surprise_m) {
+  if (frames < 2) return kCatch;
+  if (surprise_m > kExpected_m) return kFollow;
+  return kFollowExpected;
 }
 
 double weightOf(double deviation) {
@@ -225,12 +233,7 @@ void RobustTracker::recordFit(Recorder& recorder, const Frame& frame, const GpuO
 void RobustTracker::recordTracking(Recorder& recorder, const Frame& frame) {
   frame_time_s_ = timeOf(frame);
   expected_ = expected(frame);
-  if (frames_ < 2)
-    recordFit(recorder, frame, expected_, kCatch);
-  else if (surprise_m_ > kExpected_m)
-    recordFit(recorder, frame, expected_, kFollow);
-  else
-    recordFit(recorder, frame, expected_, kFollowExpected);
+  recordFit(recorder, frame, expected_, stagesAfter(frames_, surprise_m_));
   OutlineJudgeArgs judge{};
   judge.fit = fitter_.resultBuffer();
   judge.hand = hands_;
@@ -297,11 +300,11 @@ HandFit RobustTracker::finish() {
   const bool trusted = device.tracked != 0;
   fit.agreement = agreementOf(found, rig_.cameraCount());
   fit.scale = found.pose.scale;
+  fit.iterations = 0;
+  for (const OutlineStage& stage : stagesAfter(frames_, surprise_m_)) fit.iterations += stage.steps;
   surprise_m_ = (found.pose.position - expected_.position).norm() +
                 fitter_.model().radius_m * angleBetween(rotationOf(found.pose), rotationOf(expected_));
   fit.covariance = covarianceOf(found, scale_, surprise_m_);
-  fit.iterations = 0;
-  for (const OutlineStage& stage : kFollow) fit.iterations += stage.steps;
   fit.outcome = FitOutcome::kStalled;
   fit.outside_m = 0;
   fit.outside_fraction = 1 - fit.agreement;

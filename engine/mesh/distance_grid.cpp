@@ -3,12 +3,11 @@
 #include "engine/mesh/distance_grid.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <limits>
-#include <thread>
 
 #include "engine/core/error.h"
+#include "engine/core/parallel.h"
 #include "engine/mesh/triangle_tree.h"
 
 namespace airclay {
@@ -52,15 +51,10 @@ DistanceGrid signedDistanceGrid(const TriangleMesh& mesh, double cell_m, double 
   grid.low_corner = hierarchy.box().center() - cells * cell_m / 2;
   grid.values.resize(size_t(samples));
 
-  std::atomic<int> next_slab{0};
-  const auto fill_slabs = [&] {
-    for (int k = next_slab++; k < grid.size[2]; k = next_slab++)
-      for (int j = 0; j < grid.size[1]; ++j) fillRow(hierarchy, grid, j, k);
-  };
-  std::vector<std::thread> threads;
-  for (unsigned t = 1; t < std::thread::hardware_concurrency(); ++t) threads.emplace_back(fill_slabs);
-  fill_slabs();
-  for (std::thread& thread : threads) thread.join();
+  parallelFor(size_t(grid.size[2]), 1, [&](size_t first, size_t last) {
+    for (size_t k = first; k < last; ++k)
+      for (int j = 0; j < grid.size[1]; ++j) fillRow(hierarchy, grid, j, int(k));
+  });
   return grid;
 }
 

@@ -6,11 +6,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <random>
 
 #include "engine/core/error.h"
 #include "engine/hand/hand_model.h"
+#include "tests/support/solids.h"
 
 namespace airclay {
 namespace {
@@ -18,46 +18,12 @@ namespace {
 const Vec3 kHalf(0.02, 0.03, 0.05);
 
 TriangleMesh box() {
-  TriangleMesh mesh;
-  for (int corner = 0; corner < 8; ++corner)
-    mesh.vertices.push_back(
-        kHalf.cwiseProduct(Vec3(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1)));
-  mesh.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
-                    {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
-  return mesh;
+  return boxMesh(kHalf);
 }
 
 double distanceToBox(const Vec3& point) {
   const Vec3 beyond = point.cwiseAbs() - kHalf;
   return beyond.cwiseMax(Vec3::Zero()).norm() + std::min(beyond.maxCoeff(), 0.);
-}
-
-/// An octahedron subdivided `levels` times, its vertices on the sphere.
-TriangleMesh sphere(double radius, int levels) {
-  TriangleMesh mesh;
-  mesh.vertices = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
-  mesh.triangles = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
-  for (int level = 0; level < levels; ++level) {
-    std::vector<std::array<int, 3>> finer;
-    std::map<std::pair<int, int>, int>
-        middles;  // of an edge: shared, otherwise the mesh would be open at every edge
-    for (const auto& t : mesh.triangles) {
-      std::array<int, 3> middle{};
-      for (int i = 0; i < 3; ++i) {
-        const int a = t[i], b = t[(i + 1) % 3];
-        const auto [known, is_new] = middles.try_emplace(std::minmax({a, b}), int(mesh.vertices.size()));
-        if (is_new) mesh.vertices.push_back((mesh.vertices[a] + mesh.vertices[b]).normalized());
-        middle[i] = known->second;
-      }
-      finer.push_back({t[0], middle[0], middle[2]});
-      finer.push_back({middle[0], t[1], middle[1]});
-      finer.push_back({middle[2], middle[1], t[2]});
-      finer.push_back(middle);
-    }
-    mesh.triangles = finer;
-  }
-  for (Vec3& vertex : mesh.vertices) vertex *= radius;
-  return mesh;
 }
 
 template <typename Check>
@@ -101,7 +67,7 @@ TEST(DistanceGrid, OpenBoxEqualsClosedBox) {
 
 TEST(DistanceGrid, SphereEqualsBallUpToFacets) {
   const double radius = 0.04;
-  const TriangleMesh mesh = sphere(radius, 5);
+  const TriangleMesh mesh = sphereMesh(radius, 5);
   double sagitta = 0;  // how far facets are below the ball's surface
   for (const auto& [a, b, c] : mesh.triangles) {
     const Vec3 normal =
@@ -140,13 +106,10 @@ TEST(DistanceGrid, LeftHandMirrorsRightHand) {
 }
 
 TEST(DistanceGrid, IntersectingSheetsShareOneInside) {
-  TriangleMesh crossed =
-      box();  // a box and the same box shifted by half: their union; the overlap has winding number two
+  // a box and the same box shifted by half: their union; the overlap has winding number two
   TriangleMesh shifted = box();
-  const int first = int(crossed.vertices.size());
-  for (const Vec3& vertex : shifted.vertices) crossed.vertices.push_back(vertex + Vec3(0.02, 0, 0));
-  for (const auto& [a, b, c] : shifted.triangles)
-    crossed.triangles.push_back({a + first, b + first, c + first});
+  for (Vec3& vertex : shifted.vertices) vertex += Vec3(0.02, 0, 0);
+  const TriangleMesh crossed = together(box(), shifted);
   forEachSample(signedDistanceGrid(crossed, 0.0037, 0.01), [](const Vec3& point, double value) {
     const double to_union = std::min(distanceToBox(point), distanceToBox(point - Vec3(0.02, 0, 0)));
     if (std::abs(to_union) > 1e-9) {

@@ -37,13 +37,13 @@ TriangleMesh torusMesh(double major_radius, double minor_radius, int u_count, in
   });
 }
 
-TriangleMesh ballMesh(const Vec3& center, double radius, int levels) {
+TriangleMesh sphereMesh(double radius, int levels) {
   TriangleMesh mesh;
   mesh.vertices = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
   mesh.triangles = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
   for (int level = 0; level < levels; ++level) {
     std::vector<std::array<int, 3>> finer;
-    std::map<std::pair<int, int>, int> middles;
+    std::map<std::pair<int, int>, int> middles;  // of an edge: shared, otherwise the mesh would be open
     for (const auto& t : mesh.triangles) {
       std::array<int, 3> middle{};
       for (int i = 0; i < 3; ++i) {
@@ -59,6 +59,12 @@ TriangleMesh ballMesh(const Vec3& center, double radius, int levels) {
     }
     mesh.triangles = finer;
   }
+  for (Vec3& vertex : mesh.vertices) vertex *= radius;
+  return mesh;
+}
+
+TriangleMesh ballMesh(const Vec3& center, double radius, int levels) {
+  TriangleMesh mesh = sphereMesh(1, levels);
   const double volume = massProperties(mesh).volume_m3;
   const double scale = radius * std::cbrt(4 * std::numbers::pi / 3 / volume);
   for (Vec3& vertex : mesh.vertices) vertex = center + scale * vertex;

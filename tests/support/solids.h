@@ -13,7 +13,10 @@ TriangleMesh gridSurface(int u_count, int v_count, const std::function<Vec3(doub
 
 TriangleMesh torusMesh(double major_radius, double minor_radius, int u_count, int v_count);
 
-/// A subdivided octahedron; its vertices are outside the sphere by so much that its volume is the ball's.
+/// An octahedron subdivided `levels` times, its vertices on the sphere about the origin.
+TriangleMesh sphereMesh(double radius, int levels);
+
+/// The same about `center`; its vertices are outside the sphere by so much that its volume is the ball's.
 TriangleMesh ballMesh(const Vec3& center, double radius, int levels);
 
 TriangleMesh boxMesh(const Vec3& half);
